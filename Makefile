@@ -1,0 +1,71 @@
+# Everything runs in .venv, which the first command makes from requirements.lock.
+# After that no command needs the network.
+
+PYTHON ?= python3
+VENV := .venv
+BIN := $(VENV)/bin
+NOTEBOOK ?= $(shell find book -name '*.ipynb' -not -path '*/.*' -not -path 'book/assignments/*' 2>/dev/null | sort)
+PAGE := _build/html/index.html
+
+export PIP_DISABLE_PIP_VERSION_CHECK := 1
+export PATH := $(abspath $(BIN)):$(PATH)
+
+.PHONY: help setup book test bench notebooks lint clean distclean
+
+help:
+	@echo "make book       build the book and say which file to open"
+	@echo "make test       build the book, then check style, code, notebooks and pages"
+	@echo "make bench      measure speed and print the table"
+	@echo "make notebooks  run and save every notebook (NOTEBOOK=path for one)"
+	@echo "make clean      remove what was built"
+	@echo "make distclean  remove .venv as well"
+
+setup: $(VENV)/.installed
+
+$(VENV)/.locked: requirements.lock
+	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11) and "kinlib needs Python 3.11 or newer; try make PYTHON=python3.12")'
+	@echo "== Setting up $(VENV) (a minute or two, once)"
+	test -x $(BIN)/python || $(PYTHON) -m venv $(VENV)
+	$(BIN)/python -m pip install --requirement requirements.lock
+	touch $@
+
+$(VENV)/.installed: $(VENV)/.locked pyproject.toml
+	@echo "== Installing kinlib"
+	$(BIN)/python -m pip install --quiet --no-deps --no-build-isolation --editable .
+	touch $@
+
+# Built from nothing each time: a page that was not read again would keep its warnings to itself.
+book: setup
+	@echo "== Building the book"
+	rm -rf _build
+	$(BIN)/jupyter-book build -W -n --keep-going .
+	@echo
+	@echo "Open $(abspath $(PAGE))"
+
+lint: setup
+	@echo "== Checking style"
+	$(BIN)/ruff check .
+	$(BIN)/ruff format --check .
+
+test: lint book
+	@echo "== Testing code, notebooks and pages"
+	$(BIN)/python -m pytest -n auto --maxprocesses=4 --dist=loadscope \
+	    --nbval --nbval-current-env --nbval-cell-timeout=120 --nbval-sanitize-with=tests/nbval_sanitize.cfg \
+	    tests kinlib book
+
+bench: setup
+	$(BIN)/python -m tests.bench
+
+notebooks: setup
+	@set -e; for notebook in $(NOTEBOOK); do \
+	    echo "== $$notebook"; \
+	    $(BIN)/ruff format --quiet $$notebook; \
+	    $(BIN)/jupyter-execute --inplace --kernel_name=python3 --NotebookClient.record_timing=False $$notebook; \
+	done
+
+clean:
+	rm -rf _build build dist kinlib.egg-info .pytest_cache .ruff_cache .hypothesis
+	find kinlib tests book -name __pycache__ -type d -exec rm -rf {} +
+
+distclean: clean
+	rm -rf $(VENV)
