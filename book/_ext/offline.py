@@ -1,16 +1,18 @@
 """A Sphinx extension: the built book asks nothing of the network.
 
-It copies MathJax and the 3-D viewer from the installed packages into ``_static``, and drops thebe, which would fetch
-itself from a server (and fails on every page).  It also keeps punctuation with the formula before it.
+It copies MathJax and the 3-D viewer from the installed packages into ``_static``, and drops thebe, which
+would fetch itself from a server (and fails on every page).  It also keeps a comma
+with the formula before it.
 """
 
 import re
 from importlib.metadata import distribution
-from importlib.resources import files
 from pathlib import Path
 from shutil import copyfile, copytree
 
 from docutils import nodes
+
+from kinlib.scene import static_files
 
 # What TeX input and HTML output need; speech, SVG and the other inputs stay behind.
 MATHJAX_PARTS = ("tex-chtml.js", "input/tex/extensions", "output/chtml/fonts")
@@ -18,7 +20,6 @@ MATHJAX_NOTICE = """MathJax 3.2.2. Copyright The MathJax Consortium.
 Licensed under the Apache License, Version 2.0: https://www.apache.org/licenses/LICENSE-2.0
 """
 PUNCTUATION = re.compile(r"[.,;:!?)’”]+")
-VIEWER_FILES = ("dist/main.min.js", "dist/main.min.js.LICENSE.txt", "LICENSE")
 
 
 def copy_part(source: Path, target: Path) -> None:
@@ -31,16 +32,16 @@ def copy_part(source: Path, target: Path) -> None:
 
 
 def copy_bundles(app, exception) -> None:
-    """Put MathJax and the viewer of meshcat into the built pages."""
+    """Put MathJax and the viewer of the scenes into the built pages."""
     if exception or app.builder.format != "html":
         return
     static = Path(app.outdir) / "_static"
-    mathjax = Path(distribution("sphinx-mathjax-offline").locate_file("sphinx-mathjax-offline/static/mathjax"))
+    mathjax = distribution("sphinx-mathjax-offline").locate_file("sphinx-mathjax-offline/static/mathjax")
     for part in MATHJAX_PARTS:
-        copy_part(mathjax / part, static / "mathjax" / part)
+        copy_part(Path(mathjax) / part, static / "mathjax" / part)
     (static / "mathjax" / "NOTICE.txt").write_text(MATHJAX_NOTICE)
-    for name in VIEWER_FILES:
-        copy_part(Path(files("meshcat") / "viewer" / name), static / "meshcat" / Path(name).name)
+    for name, file in static_files().items():
+        copy_part(file, static / name)
 
 
 def drop_thebe_scripts(app, pagename, templatename, context, doctree) -> None:
@@ -65,7 +66,8 @@ def keep_punctuation(app, doctree) -> None:
     for formula in list(doctree.findall(nodes.math)):
         follower = formula.next_node(descend=False, siblings=True)
         if isinstance(follower, nodes.Text) and (found := PUNCTUATION.match(follower)):
-            together = nodes.inline("", "", formula.deepcopy(), nodes.Text(found[0]), classes=["keep-together"])
+            comma = nodes.Text(found[0])
+            together = nodes.inline("", "", formula.deepcopy(), comma, classes=["keep-together"])
             formula.replace_self(together)
             follower.parent.replace(follower, nodes.Text(follower[found.end() :]))
 

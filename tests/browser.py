@@ -1,0 +1,52 @@
+"""A headless Chromium that reaches nothing but files and this machine."""
+
+import json
+import shutil
+
+FLAGS = (
+    "--headless=new",
+    "--no-sandbox",
+    "--use-gl=angle",
+    "--use-angle=swiftshader",
+    "--enable-unsafe-swiftshader",
+    "--disable-quic",
+    "--no-first-run",
+    "--disable-background-networking",
+    "--disable-component-update",
+    "--disable-sync",
+    "--disable-dev-shm-usage",
+    "--hide-scrollbars",
+    "--host-resolver-rules=MAP * ~NOTFOUND , EXCLUDE 127.0.0.1",
+)
+
+
+def missing_programs() -> list[str]:
+    """The programs of the browser tests that are not installed."""
+    return [name for name in ("chromium", "chromedriver") if not shutil.which(name)]
+
+
+def start_chromium():
+    """A new Chromium; the caller quits it."""
+    from selenium import webdriver
+
+    options = webdriver.ChromeOptions()
+    options.binary_location = shutil.which("chromium")
+    for flag in FLAGS:
+        options.add_argument(flag)
+    options.set_capability("goog:loggingPrefs", {"browser": "ALL", "performance": "ALL"})
+    service = webdriver.ChromeService(executable_path=shutil.which("chromedriver"))
+    driver = webdriver.Chrome(options=options, service=service)
+    driver.set_page_load_timeout(60)
+    return driver
+
+
+def console_messages(driver) -> list[str]:
+    """What the pages said on the console since the last call, worse than information."""
+    bad = (entry for entry in driver.get_log("browser") if entry["level"] in ("WARNING", "SEVERE"))
+    return [f"{entry['level']}: {entry['message']}" for entry in bad]
+
+
+def requested_urls(driver) -> list[str]:
+    """What the pages asked for since the last call, frames and workers included."""
+    messages = (json.loads(entry["message"])["message"] for entry in driver.get_log("performance"))
+    return [m["params"]["request"]["url"] for m in messages if m["method"] == "Network.requestWillBeSent"]

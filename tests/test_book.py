@@ -1,0 +1,243 @@
+"""The book: its sources say true things, its built pages work without a network."""
+
+import doctest
+import json
+import re
+import time
+from html.parser import HTMLParser
+from pathlib import Path
+from urllib.parse import unquote, urlsplit
+
+import pytest
+
+import kinlib
+from browser import console_messages, requested_urls
+
+ROOT = Path(__file__).resolve().parents[1]
+HTML = ROOT / "_build" / "html"
+
+
+def found(folder: Path, pattern: str) -> list[Path]:
+    """The files below a folder, but for what Jupyter and Sphinx put there for themselves."""
+    own = {".ipynb_checkpoints", "_static"}
+    return sorted(path for path in folder.rglob(pattern) if not own & set(path.relative_to(folder).parts))
+
+
+TEXTS = found(ROOT / "book", "*.md")
+NOTEBOOKS = found(ROOT / "book", "*.ipynb")
+PAGES = [path.relative_to(HTML).as_posix() for path in found(HTML, "*.html")]
+SCENES = [page for page in PAGES if 'class="kinlib-scene"' in (HTML / page).read_text(encoding="utf-8")]
+
+
+def name_of(path: Path) -> str:
+    return path.relative_to(ROOT).as_posix()
+
+
+def blocks(text: str, language: str) -> list[str]:
+    """The code blocks of one language in a Markdown text."""
+    return re.findall(rf"^```{language}\n(.*?)^```", text, re.DOTALL | re.MULTILINE)
+
+
+# ---- sources ---------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("path", TEXTS, ids=name_of)
+def test_console_blocks_print_what_they_show(path):
+    source = "\n".join(blocks(path.read_text(encoding="utf-8"), "pycon"))
+    runner = doctest.DocTestRunner(optionflags=doctest.NORMALIZE_WHITESPACE)
+    runner.run(doctest.DocTestParser().get_doctest(source, {}, path.name, str(path), 0))
+    assert runner.summarize(verbose=False).failed == 0
+
+
+@pytest.mark.parametrize("path", TEXTS, ids=name_of)
+def test_names_in_the_text_exist(path):
+    owners = {
+        "kl": kinlib,
+        "q": kinlib.DualQuaternion,
+        "C": kinlib.MotionPolynomial,
+        "dyad": kinlib.Dyad,
+        "space": kinlib.TwoRSpace,
+        "linkage": kinlib.Linkage,
+    }
+    named = re.findall(rf"`({'|'.join(owners)})\.(\w+)", path.read_text(encoding="utf-8"))
+    assert [(owner, name) for owner, name in named if name not in names_in(owners[owner])] == []
+
+
+def names_in(owner) -> set[str]:
+    """The attributes of a module or of a class, with those that every instance has."""
+    return {*dir(owner), *getattr(owner, "__dataclass_fields__", ())}
+
+
+def test_the_readme_prints_what_it_shows(capsys):
+    text = (ROOT / "README.md").read_text(encoding="utf-8")
+    (code,), (shown,) = blocks(text, "python"), blocks(text, "text")
+    exec(compile(code, "README.md", "exec"), {})
+    assert capsys.readouterr().out == shown
+
+
+@pytest.mark.parametrize("path", NOTEBOOKS, ids=name_of)
+def test_notebooks_were_saved_after_one_clean_run(path):
+    cells = [c for c in json.loads(path.read_text(encoding="utf-8"))["cells"] if c["cell_type"] == "code"]
+    cells = [cell for cell in cells if "".join(cell["source"]).strip()]
+    assert [cell["execution_count"] for cell in cells] == list(range(1, len(cells) + 1))
+    outputs = [output for cell in cells for output in cell["outputs"]]
+    assert [o for o in outputs if o["output_type"] == "error" or o.get("name") == "stderr"] == []
+
+
+# ---- built pages, as text --------------------------------------------------------------------------------
+
+
+class Links(HTMLParser):
+    """The targets that a page links to or loads, and the places in it that can be linked to."""
+
+    def __init__(self, page: Path):
+        super().__init__()
+        self.targets, self.anchors = [], set()
+        self.feed(page.read_text(encoding="utf-8"))
+
+    def handle_starttag(self, tag, attributes):
+        values = dict(attributes)
+        self.anchors.update(values[key] for key in ("id", "name") if values.get(key))
+        self.targets.extend(values[key] for key in ("href", "src") if values.get(key))
+
+
+@pytest.fixture(scope="module")
+def links(html) -> dict[Path, Links]:
+    return {(html / page).resolve(): Links(html / page) for page in PAGES}
+
+
+def is_broken(page: Path, target: str, links: dict[Path, Links]) -> bool:
+    url = urlsplit(target)
+    if url.scheme or url.netloc:
+        return False
+    file = (page.parent / unquote(url.path)).resolve() if url.path else page
+    if file.is_dir() or not file.exists():
+        return True
+    return bool(url.fragment) and file in links and unquote(url.fragment) not in links[file].anchors
+
+
+@pytest.mark.parametrize("page", PAGES)
+def test_links_lead_somewhere(links, html, page):
+    here = (html / page).resolve()
+    assert [target for target in links[here].targets if is_broken(here, target, links)] == []
+
+
+# ---- built pages, in a browser, from files, without a network --------------------------------------------
+
+SETTLED = """
+const done = arguments[0];
+const settle = window.MathJax && MathJax.startup ? MathJax.startup.promise : Promise.resolve();
+settle.then(() => requestAnimationFrame(() => done(true)));
+"""
+
+RAW_TEX = r"""
+const root = document.querySelector("main") || document.body;
+const walker = document.createTreeWalker(root, NodeFilter.SHOW_TEXT);
+const skip = "pre, code, script, style, mjx-container, textarea";
+const found = [];
+while (walker.nextNode()) {
+  const { textContent, parentElement } = walker.currentNode;
+  if (/\$|\\\(|\\\[|\\begin\{/.test(textContent) && !parentElement.closest(skip)) found.push(textContent);
+}
+return found;
+"""
+
+
+@pytest.fixture
+def page(chromium, html):
+    """Opens a page of the book and waits for its mathematics; afterwards nothing may have been amiss."""
+    chromium.set_script_timeout(60)
+    chromium.get("about:blank")
+    console_messages(chromium), requested_urls(chromium)
+
+    def open_page(name: str):
+        chromium.get((html / name.partition("?")[0]).as_uri() + "".join(name.partition("?")[1:]))
+        chromium.execute_async_script(SETTLED)
+        return chromium
+
+    yield open_page
+    assert [url for url in requested_urls(chromium) if is_elsewhere(url)] == []
+    assert console_messages(chromium) == []
+
+
+def is_elsewhere(url: str) -> bool:
+    return urlsplit(url).scheme not in ("file", "data", "blob", "about")
+
+
+def wait_until(condition, seconds: float = 60):
+    """Wait for something to become true, and return it."""
+    end = time.monotonic() + seconds
+    while not (value := condition()):
+        assert time.monotonic() < end, "waited in vain"
+        time.sleep(0.1)
+    return value
+
+
+@pytest.mark.parametrize("name", PAGES)
+def test_mathematics_is_set(page, name):
+    driver = page(name)
+    count = "return document.querySelectorAll(arguments[0]).length"
+    formulas = driver.execute_script(count, ".math.notranslate, div.math")
+    assert driver.execute_script(count, "mjx-container") >= formulas
+    assert driver.execute_script(count, "mjx-merror, [data-mjx-error]") == 0
+    assert driver.execute_script(RAW_TEX) == []
+
+
+@pytest.mark.parametrize("name", PAGES)
+def test_a_phone_need_not_scroll_sideways(page, name):
+    driver = page("index.html")
+    phone = {"width": 390, "height": 800, "deviceScaleFactor": 1, "mobile": True}
+    driver.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", phone)
+    try:
+        page(name)
+        assert driver.execute_script("return document.documentElement.scrollWidth") <= 390
+    finally:
+        driver.execute_cdp_cmd("Emulation.clearDeviceMetricsOverride", {})
+
+
+def test_search_finds_a_page(page):
+    driver = page("search.html?q=quadric")
+    results = "return document.querySelectorAll('#search-results li a').length"
+    assert wait_until(lambda: driver.execute_script(results))
+
+
+MOVE_SLIDER = """
+const slider = document.querySelector("input[type=range]");
+slider.value = arguments[0];
+slider.dispatchEvent(new Event("input"));
+"""
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_scenes_play_and_obey(page, name):
+    driver = page(name)
+    for frame in driver.find_elements("css selector", "iframe.kinlib-scene"):
+        driver.execute_script("arguments[0].scrollIntoView({block: 'center', behavior: 'instant'})", frame)
+        driver.switch_to.frame(frame)
+        plays_and_obeys(driver)
+        driver.switch_to.default_content()
+
+
+def plays_and_obeys(driver):
+    """Check the scene in the current frame: it is drawn, moves by itself, stops, and follows its slider."""
+    ask = driver.execute_script
+    wait_until(lambda: ask("return !!(window.kinlib && kinlib.ready)"))
+    frames = ask("return kinlib.frames")
+    if frames < 2:
+        return
+    start = ask("return kinlib.frame")
+    wait_until(lambda: ask("return kinlib.frame") != start)
+
+    button, stage = (driver.find_element("css selector", css) for css in (".controls button", ".stage"))
+    button.click()
+    assert not ask("return kinlib.playing")
+    stop, seen = ask("return kinlib.frame"), stage.screenshot_as_png
+    assert ask("return kinlib.frame") == stop
+
+    target = round(stop + frames / 3) % frames
+    ask(MOVE_SLIDER, target)
+    assert ask("return kinlib.frame") == target
+    assert stage.screenshot_as_png != seen
+
+    button.click()
+    wait_until(lambda: ask("return kinlib.frame") != target)

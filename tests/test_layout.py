@@ -1,0 +1,112 @@
+"""How the package is laid out: the order of its files, what an import loads, what is public."""
+
+import ast
+import importlib
+import inspect
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+import kinlib
+
+PACKAGE = Path(kinlib.__file__).parent
+
+# Each file imports only from files before it; nothing imports the pictures.
+ORDER = [
+    "errors",
+    "scalar",
+    "number_field",
+    "dual_quaternion",
+    "projective",
+    "quadric",
+    "study",
+    "line",
+    "displacement",
+    "motion_polynomial",
+    "factorization",
+    "interpolation",
+    "dyad",
+    "three_poses",
+    "linkage",
+    "bennett",
+    "six_r",
+    "goldberg",
+    "skeleton",
+    "draw",
+    "parts",
+    "scene",
+    "gallery",
+    "testing",
+]
+PICTURES = {"draw", "scene"}
+
+PUBLIC = [
+    "DualQuaternion", "one", "i", "j", "k", "eps", "same_point", "join", "meet", "Quadric",
+    "Subspace", "STUDY_QUADRIC", "NULL_CONE", "EXCEPTIONAL_SPACE", "is_null_line", "Line",
+    "translation", "rotation", "half_turn", "act", "from_matrix", "as_matrix", "MotionPolynomial",
+    "factorizations", "factorize", "conic_through", "cubics_through", "Dyad", "TwoRSpace",
+    "recognise", "dyads_through_poses", "Linkage", "bennett_linkage", "goldberg_linkages",
+    "six_r_linkages", "DegenerateError",
+]  # fmt: skip
+
+MODULES = sorted(path.stem for path in PACKAGE.glob("*.py") if path.stem != "__init__")
+
+
+def imported_modules(name: str) -> set[str]:
+    """The modules of kinlib that a module imports, anywhere in its text."""
+    found = set()
+    for node in ast.walk(ast.parse((PACKAGE / f"{name}.py").read_text(encoding="utf-8"))):
+        if isinstance(node, ast.ImportFrom) and node.module and node.module.startswith("kinlib."):
+            found.add(node.module.removeprefix("kinlib."))
+        elif isinstance(node, ast.ImportFrom) and node.module == "kinlib":
+            found.update(alias.name for alias in node.names)
+        elif isinstance(node, ast.Import):
+            names = (alias.name for alias in node.names)
+            found.update(name.removeprefix("kinlib.") for name in names if name.startswith("kinlib"))
+    return found
+
+
+def public_objects(name: str) -> list:
+    module = importlib.import_module(f"kinlib.{name}")
+    return [getattr(module, public) for public in module.__all__]
+
+
+def test_the_order_names_every_file():
+    assert set(MODULES) == set(ORDER)
+
+
+@pytest.mark.parametrize("name", MODULES)
+def test_a_file_imports_only_from_files_above_it(name):
+    above = set(ORDER[: ORDER.index(name)])
+    assert imported_modules(name) <= above
+
+
+@pytest.mark.parametrize("name", MODULES)
+def test_nothing_imports_the_pictures(name):
+    assert not imported_modules(name) & PICTURES
+
+
+def test_import_kinlib_is_light():
+    heavy = ("sympy", "matplotlib", "meshcat", "scipy", "IPython")
+    code = f"import sys, kinlib; print([name for name in {heavy!r} if name in sys.modules])"
+    run = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert run.stdout.strip() == "[]"
+
+
+@pytest.mark.parametrize("name", PUBLIC)
+def test_public_names(name):
+    assert hasattr(kinlib, name)
+
+
+@pytest.mark.parametrize("name", MODULES)
+def test_public_objects_are_documented(name):
+    objects = [x for x in public_objects(name) if inspect.isroutine(x) or inspect.isclass(x)]
+    assert [x.__name__ for x in objects if not (x.__doc__ or "").strip()] == []
+
+
+@pytest.mark.parametrize("name", MODULES)
+def test_public_functions_have_hints(name):
+    functions = [x for x in public_objects(name) if inspect.isfunction(x)]
+    assert [x.__name__ for x in functions if not x.__annotations__] == []
