@@ -1,0 +1,99 @@
+"""The algebra of 2R dyads by name, and 4R, 5R and 6R linkages from poses."""
+
+from kinlib.bennett import bennett_linkage
+from kinlib.displacement import (
+    act,
+    as_matrix,
+    as_pose,
+    as_rigid_transform,
+    axis_of,
+    from_matrix,
+    from_rigid_transform,
+    half_turn,
+    rotation,
+    translation,
+    unit,
+)
+from kinlib.dual_quaternion import DualQuaternion, eps, i, j, k, one
+from kinlib.dyad import Dyad, NullQuadrilateral, TwoRSpace, recognise
+from kinlib.errors import DegenerateError
+from kinlib.factorization import bennett_flip, factorizations, factorize, quadratic_factors
+from kinlib.goldberg import goldberg_linkages
+from kinlib.interpolation import conic_through, cubics_through
+from kinlib.line import Line, common_perpendicular
+from kinlib.linkage import DHRow, Linkage
+from kinlib.motion_polynomial import MotionPolynomial, RationalCurve, linear_factor
+from kinlib.number_field import NumberField, NumberFieldElement, square_root
+from kinlib.projective import Subspace, join, meet, null_space, same_point
+from kinlib.quadric import Quadric
+from kinlib.six_r import six_r_linkages
+from kinlib.study import (
+    EXCEPTIONAL_SPACE,
+    NULL_CONE,
+    STUDY_QUADRIC,
+    is_null_line,
+    null_form,
+    study_form,
+    study_projection,
+)
+from kinlib.three_poses import dyads_through_poses, study_eigenvalues
+
+__all__ = [
+    "EXCEPTIONAL_SPACE",
+    "NULL_CONE",
+    "STUDY_QUADRIC",
+    "DHRow",
+    "DegenerateError",
+    "DualQuaternion",
+    "Dyad",
+    "Line",
+    "Linkage",
+    "MotionPolynomial",
+    "NullQuadrilateral",
+    "NumberField",
+    "NumberFieldElement",
+    "Quadric",
+    "RationalCurve",
+    "Subspace",
+    "TwoRSpace",
+    "act",
+    "as_matrix",
+    "as_pose",
+    "as_rigid_transform",
+    "axis_of",
+    "bennett_flip",
+    "bennett_linkage",
+    "common_perpendicular",
+    "conic_through",
+    "cubics_through",
+    "dyads_through_poses",
+    "eps",
+    "factorizations",
+    "factorize",
+    "from_matrix",
+    "from_rigid_transform",
+    "goldberg_linkages",
+    "half_turn",
+    "i",
+    "is_null_line",
+    "j",
+    "join",
+    "k",
+    "linear_factor",
+    "meet",
+    "null_form",
+    "null_space",
+    "one",
+    "quadratic_factors",
+    "recognise",
+    "rotation",
+    "same_point",
+    "six_r_linkages",
+    "square_root",
+    "study_eigenvalues",
+    "study_form",
+    "study_projection",
+    "translation",
+    "unit",
+]
+__version__ = "0.1.0"

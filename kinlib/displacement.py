@@ -1,0 +1,277 @@
+"""Displacements of space and their points on the Study quadric: equation (1) of the paper."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from kinlib.dual_quaternion import DualQuaternion, blockwise
+from kinlib.errors import DegenerateError
+from kinlib.line import Line
+from kinlib.number_field import square_root
+from kinlib.scalar import RTOL, as_float, as_scalars, divide, is_exact, is_zero, size
+from kinlib.study import eps_times, null_form, study_form
+
+__all__ = [
+    "act", "as_matrix", "as_pose", "as_rigid_transform", "axis_of", "from_matrix", "from_rigid_transform", "half_turn",
+    "rotation", "translation", "unit",
+]  # fmt: skip
+
+
+def translation(v) -> DualQuaternion:
+    """The translation 1 + ½εv by a vector v, shape (..., 3), in units of length.
+
+    Examples
+    --------
+    >>> translation([0, 4, 0])
+    1 + 2 εj
+    """
+    v = as_scalars(v)
+    components = np.zeros((8, *v.shape[:-1]), dtype=np.result_type(divide(v, 2)))
+    components[0], components[5:] = 1, np.moveaxis(divide(v, 2), -1, 0)
+    return DualQuaternion(np.moveaxis(components, 0, -1))
+
+
+def half_turn(line: Line) -> DualQuaternion:
+    """The half-turn l + εm about a line; a unit dual quaternion if the direction has length 1."""
+    return line.as_dual_quaternion()
+
+
+def rotation(line: Line, angle) -> DualQuaternion:
+    """The rotation cos(½ angle) + sin(½ angle) h about a line, with h the unit half-turn about it.
+
+    Parameters
+    ----------
+    line : Line
+        The axis; its orientation gives the sense of the rotation.
+    angle : float, array or SymPy expression
+        In radians, counter-clockwise when the axis points at the viewer.
+
+    Examples
+    --------
+    >>> import sympy
+    >>> rotation(Line([0, 0, 1], [0, 0, 0]), sympy.pi / 3)
+    sqrt(3)/2 + 1/2 k
+    """
+    half = divide(angle, 2) if hasattr(angle, "free_symbols") else np.asarray(angle) / 2
+    if hasattr(half, "free_symbols"):
+        from sympy import cos, sin
+
+        return unit(half_turn(line)) * sin(half) + cos(half)
+    return unit(half_turn(line)) * np.sin(half) + np.cos(half)
+
+
+def unit(q: DualQuaternion) -> DualQuaternion:
+    """The same point of P⁷ with primal part of length 1, where that root can be taken.
+
+    Exact coefficients are left as they are if the square of the length is not the square of a fraction.
+    """
+    square = null_form(q, q)
+    if not is_exact(q.components):
+        return q / np.sqrt(square)
+    root = _rational_root(square)
+    return q if root is None else q / root
+
+
+def axis_of(h: DualQuaternion) -> DualQuaternion:
+    """The half-turn about the axis of a rotation; what rounding has added to a line is taken away.
+
+    Examples
+    --------
+    >>> axis_of(3 + 2 * (j - eps * i))
+    j - εi
+    """
+    v = (h - h.conjugate()) / 2
+    return unit(v - eps_times(v) * divide(study_form(v, v), 2 * null_form(v, v)))
+
+
+def _rational_root(square):
+    """The root of an exact number if it lies in the same field, else None."""
+    try:
+        root = square_root(square)
+    except (TypeError, ValueError):
+        return None
+    return root if type(root) in (type(divide(square, 1)), type(square)) else None
+
+
+def _point_formula(q, x):
+    """Equation (1): x ↦ (p x p̄ + d p̄ − p d̄) / (p p̄), in components."""
+    p0, p1, p2, p3, d0, d1, d2, d3 = q
+    (y1, y2, y3), square = _turned(p0, p1, p2, p3, x)
+    return (
+        divide(y1 + 2 * (p0 * d1 - d0 * p1 + p2 * d3 - p3 * d2), square),
+        divide(y2 + 2 * (p0 * d2 - d0 * p2 + p3 * d1 - p1 * d3), square),
+        divide(y3 + 2 * (p0 * d3 - d0 * p3 + p1 * d2 - p2 * d1), square),
+    )
+
+
+def _turned(p0, p1, p2, p3, x):
+    """p x p̄ for a vector x, and p p̄: p0² x + 2 p0 (p × x) + (p · x) p + p × (p × x), in components."""
+    x1, x2, x3 = x
+    c1, c2, c3 = p2 * x3 - p3 * x2 + p0 * x1, p3 * x1 - p1 * x3 + p0 * x2, p1 * x2 - p2 * x1 + p0 * x3
+    inner = p1 * x1 + p2 * x2 + p3 * x3
+    turned = (
+        p0 * c1 + p2 * c3 - p3 * c2 + inner * p1,
+        p0 * c2 + p3 * c1 - p1 * c3 + inner * p2,
+        p0 * c3 + p1 * c2 - p2 * c1 + inner * p3,
+    )
+    return turned, p0 * p0 + p1 * p1 + p2 * p2 + p3 * p3
+
+
+def _line_formula(q, line):
+    """q (l + εm) q̄ / (p p̄): the direction turns, the moment turns and gains t × (turned direction)."""
+    p0, p1, p2, p3, d0, d1, d2, d3 = q
+    (l1, l2, l3), square = _turned(p0, p1, p2, p3, line[:3])
+    (m1, m2, m3), _ = _turned(p0, p1, p2, p3, line[3:])
+    t1 = divide(2 * (p0 * d1 - d0 * p1 + p2 * d3 - p3 * d2), square)
+    t2 = divide(2 * (p0 * d2 - d0 * p2 + p3 * d1 - p1 * d3), square)
+    t3 = divide(2 * (p0 * d3 - d0 * p3 + p1 * d2 - p2 * d1), square)
+    moment = (m1 + t2 * l3 - t3 * l2, m2 + t3 * l1 - t1 * l3, m3 + t1 * l2 - t2 * l1)
+    return tuple(divide(y, square) for y in (l1, l2, l3, *moment))
+
+
+def act(q: DualQuaternion, x):
+    """Move points or lines by the displacement [q], equation (1).
+
+    Parameters
+    ----------
+    q : DualQuaternion, shape (...)
+        On the Study quadric, off the exceptional space.
+    x : array_like, shape (..., 3), or Line
+        Points, or lines; batches broadcast.
+
+    Returns
+    -------
+    numpy.ndarray, shape (..., 3), or Line
+
+    Examples
+    --------
+    >>> act(translation([0, 0, 2]), [1, 1, 1]).tolist()
+    [Fraction(1, 1), Fraction(1, 1), Fraction(3, 1)]
+    >>> act(k, Line([1, 0, 0], [0, 1, 0])).direction.tolist()
+    [Fraction(-1, 1), Fraction(0, 1), Fraction(0, 1)]
+    """
+    if isinstance(x, Line):
+        components = np.moveaxis(np.concatenate([x.direction, x.moment], axis=-1), -1, 0)
+        moved = np.moveaxis(blockwise(_line_formula, _divisible(q), components, rows=6), 0, -1)
+        return Line(moved[..., :3], moved[..., 3:])
+    components = np.moveaxis(as_scalars(x), -1, 0)
+    if components.shape[:1] != (3,):
+        raise ValueError(f"expected points of shape (..., 3), got {np.shape(x)}")
+    return np.moveaxis(blockwise(_point_formula, _divisible(q), components, rows=3), 0, -1)
+
+
+def _divisible(q: DualQuaternion) -> np.ndarray:
+    """Components that may be divided by: whole numbers as fractions."""
+    return divide(q.components, 1)
+
+
+def as_matrix(q: DualQuaternion) -> np.ndarray:
+    """The homogeneous 4×4 matrix of the displacement [q], shape (..., 4, 4); rational in q.
+
+    Examples
+    --------
+    >>> (as_matrix(translation([1, 2, 3])) == [[1, 0, 0, 1], [0, 1, 0, 2], [0, 0, 1, 3], [0, 0, 0, 1]]).all()
+    np.True_
+    """
+    frame = act(q[..., None], np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]]))
+    matrix = np.zeros((*q.shape, 4, 4), dtype=frame.dtype)
+    matrix[..., :3, 3] = frame[..., 0, :]
+    matrix[..., :3, :3] = np.swapaxes(frame[..., 1:, :] - frame[..., :1, :], -1, -2)
+    matrix[..., 3, 3] = 1
+    return matrix
+
+
+def from_matrix(matrix, *, rtol: float = RTOL) -> DualQuaternion:
+    """The point of the Study quadric for homogeneous matrices of displacements, shape (..., 4, 4).
+
+    No root is taken for exact matrices; the primal part has length 1 for floats.
+
+    Raises
+    ------
+    ValueError
+        If the upper left block is no rotation or the last row is not (0, 0, 0, 1).
+
+    Examples
+    --------
+    >>> from_matrix([[1, 0, 0, 2], [0, -1, 0, 0], [0, 0, -1, 0], [0, 0, 0, 1]])
+    i - ε
+    """
+    matrix = as_scalars(matrix)
+    if matrix.shape[-2:] != (4, 4):
+        raise ValueError(f"expected matrices of shape (..., 4, 4), got {matrix.shape}")
+    R, last = matrix[..., :3, :3], matrix[..., 3, :]
+    _check_rotation(R, last, rtol)
+    outer = _outer_square(R)
+    diagonal = np.diagonal(outer, axis1=-2, axis2=-1)
+    best = np.argmax(diagonal, axis=-1)[..., None, None]
+    primal = np.take_along_axis(outer, best, axis=-2)[..., 0, :]
+    p = unit(DualQuaternion(np.concatenate([primal, np.zeros_like(primal)], axis=-1)))
+    return translation(matrix[..., :3, 3]) * p
+
+
+def _check_rotation(R: np.ndarray, last: np.ndarray, rtol: float) -> None:
+    orthogonal = np.all(is_zero(R @ np.swapaxes(R, -1, -2) - np.eye(3, dtype=int), rtol=10 * rtol))
+    turns = (np.cross(R[..., 0], R[..., 1]) * R[..., 2]).sum(-1)
+    if not orthogonal or np.any(turns < 0):
+        raise ValueError("expected a rotation in the upper left block: an orthogonal matrix of determinant 1")
+    if not np.all(is_zero(last - np.array([0, 0, 0, 1]), rtol=rtol)):
+        raise ValueError("expected the last row (0, 0, 0, 1) of a displacement")
+
+
+def _outer_square(R: np.ndarray) -> np.ndarray:
+    """The matrix 4 p pᵀ of the unit quaternion p of a rotation matrix; every row is a multiple of p."""
+    trace = R[..., 0, 0] + R[..., 1, 1] + R[..., 2, 2]
+    outer = np.zeros((*R.shape[:-2], 4, 4), dtype=R.dtype)
+    outer[..., 0, 0] = 1 + trace
+    for m in range(3):
+        n, r = (m + 1) % 3, (m + 2) % 3
+        outer[..., m + 1, m + 1] = 1 + 2 * R[..., m, m] - trace
+        outer[..., 0, m + 1] = outer[..., m + 1, 0] = R[..., r, n] - R[..., n, r]
+        outer[..., n + 1, r + 1] = outer[..., r + 1, n + 1] = R[..., r, n] + R[..., n, r]
+    return outer
+
+
+def from_rigid_transform(transform) -> DualQuaternion:
+    """The pose of a SciPy ``RigidTransform``, single or batch."""
+    return from_matrix(transform.as_matrix())
+
+
+def as_rigid_transform(q: DualQuaternion):
+    """The displacement [q] as a SciPy ``RigidTransform`` (floats; needs SciPy)."""
+    from scipy.spatial.transform import RigidTransform
+
+    return RigidTransform.from_matrix(as_float(as_matrix(q)))
+
+
+def as_pose(x, *, rtol: float = RTOL) -> DualQuaternion:
+    """A pose given as dual quaternion, 4×4 matrix or SciPy ``RigidTransform``, checked.
+
+    Raises
+    ------
+    ValueError
+        If a number is not finite, or the point is not on the Study quadric.
+    DegenerateError
+        If the point lies in the exceptional space: no displacement belongs to it.
+
+    Examples
+    --------
+    >>> as_pose(1 + eps * i)
+    1 + εi
+    >>> as_pose(1 + eps)
+    Traceback (most recent call last):
+    ...
+    ValueError: expected a point of the Study quadric, p d̄ + d p̄ = 0; study_projection gives the nearest one
+    """
+    if hasattr(x, "as_matrix"):
+        return from_rigid_transform(x)
+    q = x if isinstance(x, DualQuaternion) else from_matrix(x, rtol=rtol)
+    if q.components.dtype.kind in "fc" and not np.all(np.isfinite(q.components)):
+        raise ValueError("expected finite coefficients, got NaN or infinity")
+    if np.any(is_zero(null_form(q, q), rtol=0)):
+        raise DegenerateError(
+            "the point lies in the exceptional three-space: its primal part is zero, so it is no pose"
+        )
+    p, d = size(q.coeffs[..., :4], -1), size(q.coeffs[..., 4:], -1)
+    if not np.all(is_zero(study_form(q, q), p * d, rtol)):
+        raise ValueError("expected a point of the Study quadric, p d̄ + d p̄ = 0; study_projection gives the nearest one")
+    return q

@@ -1,0 +1,340 @@
+"""Dual quaternions: the algebra of the paper's section 2, for scalars of every kind.
+
+A dual quaternion q = p + εd is eight coefficients (p0, p1, p2, p3, d0, d1, d2, d3) with respect to
+1, i, j, k, ε, εi, εj, εk.  Leading axes are a batch.  The product composes displacements: the right factor
+acts first.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+
+import numpy as np
+
+from kinlib.scalar import as_scalars, divide, is_zero, narrow, promote
+
+__all__ = ["DualQuaternion", "eps", "i", "j", "k", "one"]
+
+UNITS = ("", "i", "j", "k", "ε", "εi", "εj", "εk")
+BLOCK = 4096  # rows of a batch that are multiplied at a time, so that they stay in the cache
+
+
+class DualQuaternion:
+    """A dual quaternion, or a batch of them; its value never changes.
+
+    Parameters
+    ----------
+    coeffs : array_like, shape (..., 8)
+        The coefficients with respect to 1, i, j, k, ε, εi, εj, εk: integers, floats, complex numbers,
+        fractions, SymPy expressions or elements of a number field.
+
+    Raises
+    ------
+    ValueError
+        If the last axis does not have eight entries.
+
+    Examples
+    --------
+    >>> q = DualQuaternion([1, 2, 0, 0, 0, 0, 3, 0])
+    >>> q
+    1 + 2 i + 3 εj
+    >>> q == 1 + 2 * i + 3 * eps * j
+    True
+    >>> q.conjugate(), q.norm()
+    (1 - 2 i - 3 εj, 5)
+    """
+
+    __slots__ = ("_components",)
+    __array_ufunc__ = None  # arrays leave mixed operations to this class
+    __hash__ = None
+
+    def __init__(self, coeffs):
+        array = as_scalars(coeffs)
+        if array.ndim == 0 or array.shape[-1] != 8:
+            raise ValueError(f"expected coefficients of shape (..., 8), got {array.shape}")
+        components = np.ascontiguousarray(np.moveaxis(array, -1, 0))
+        components.setflags(write=False)
+        self._components = components
+
+    @classmethod
+    def from_components(cls, components: np.ndarray) -> DualQuaternion:
+        """Wrap an array with the eight components first, shape (8, ...), without copying it."""
+        self = object.__new__(cls)
+        components.setflags(write=False)
+        self._components = components
+        return self
+
+    @classmethod
+    def stack(cls, items, axis: int = 0) -> DualQuaternion:
+        """Join dual quaternions of one batch shape along a new batch axis.
+
+        Examples
+        --------
+        >>> DualQuaternion.stack([i, j, k]).shape
+        (3,)
+        """
+        components = np.broadcast_arrays(*[item.components for item in items])
+        return cls.from_components(np.stack(components, axis=axis + 1 if axis >= 0 else axis))
+
+    @property
+    def components(self) -> np.ndarray:
+        """The coefficients with the eight components first, shape (8, ...), read-only."""
+        return self._components
+
+    @property
+    def coeffs(self) -> np.ndarray:
+        """The coefficients, shape (..., 8), read-only."""
+        return np.moveaxis(self._components, 0, -1)
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """The shape of the batch; ``()`` for a single dual quaternion."""
+        return self._components.shape[1:]
+
+    @property
+    def scalar_part(self):
+        """The coefficient of 1, shape (...)."""
+        return self._components[0]
+
+    @property
+    def primal(self) -> DualQuaternion:
+        """The quaternion p of q = p + εd."""
+        return self._from_halves(self._components[:4], np.zeros_like(self._components[4:]))
+
+    @property
+    def dual(self) -> DualQuaternion:
+        """The quaternion d of q = p + εd."""
+        return self._from_halves(self._components[4:], np.zeros_like(self._components[4:]))
+
+    @classmethod
+    def _from_halves(cls, primal, dual) -> DualQuaternion:
+        return cls.from_components(np.concatenate((primal, dual)))
+
+    def conjugate(self) -> DualQuaternion:
+        """q̄ = p̄ + εd̄: the signs of i, j and k change."""
+        return self.from_components(_signed(self._components, (1, -1, -1, -1, 1, -1, -1, -1)))
+
+    def eps_conjugate(self) -> DualQuaternion:
+        """p − εd: the sign of ε changes."""
+        return self.from_components(_signed(self._components, (1, 1, 1, 1, -1, -1, -1, -1)))
+
+    def norm(self) -> DualQuaternion:
+        """The dual number q q̄ = p p̄ + ε(p d̄ + d p̄); never its root."""
+        p, d = self._components[:4], self._components[4:]
+        norm = np.zeros_like(self._components)
+        norm[0], norm[4] = (p * p).sum(axis=0), 2 * (p * d).sum(axis=0)
+        return self.from_components(_settled(norm))
+
+    def inverse(self) -> DualQuaternion:
+        """q⁻¹ = q̄ / (q q̄).
+
+        Raises
+        ------
+        ZeroDivisionError
+            If a primal part vanishes (or is a complex null quaternion): such elements divide zero.
+
+        Examples
+        --------
+        >>> (1 + eps * i).inverse(), (2 * j).inverse()
+        (1 - εi, -1/2 j)
+        """
+        a, b = self.norm()._components[[0, 4]]
+        if np.any(is_zero(a, rtol=0)):
+            raise ZeroDivisionError("no inverse: p p̄ = 0 for the primal part p, so q divides zero")
+        return self.conjugate() * self._from_dual_number(divide(1, a), divide(-b, a * a))
+
+    @classmethod
+    def _from_dual_number(cls, real, dual) -> DualQuaternion:
+        real, dual = np.asarray(real), np.asarray(dual)
+        components = np.zeros((8, *real.shape), dtype=np.result_type(real, dual))
+        components[0], components[4] = real, dual
+        return cls.from_components(components)
+
+    def astype(self, dtype) -> DualQuaternion:
+        """The same value with coefficients of another kind, such as ``float``.
+
+        Examples
+        --------
+        >>> (i / 3).astype(float).coeffs[1].round(6)
+        np.float64(0.333333)
+        """
+        return self.from_components(np.array(self._components, dtype=dtype))
+
+    def __add__(self, other) -> DualQuaternion:
+        if isinstance(other, DualQuaternion):
+            return self.from_components(_settled(_aligned_sum(self._components, other._components)))
+        return self + _embedded(other)
+
+    def __neg__(self) -> DualQuaternion:
+        return self.from_components(-self._components)
+
+    def __sub__(self, other) -> DualQuaternion:
+        if isinstance(other, DualQuaternion):
+            return self.from_components(_settled(_aligned_sum(self._components, -other._components)))
+        return self - _embedded(other)
+
+    def __rsub__(self, other) -> DualQuaternion:
+        return _embedded(other) - self
+
+    def __mul__(self, other) -> DualQuaternion:
+        if isinstance(other, DualQuaternion):
+            return self.from_components(_product(self._components, other._components))
+        return self.from_components(_settled(_scaled(self._components, as_scalars(other))))
+
+    def __rmul__(self, scalar) -> DualQuaternion:
+        return self * scalar  # a scalar commutes with everything; dual quaternions never come here
+
+    __radd__ = __add__
+
+    def __truediv__(self, other) -> DualQuaternion:
+        if isinstance(other, DualQuaternion):
+            return self * other.inverse()
+        return self.from_components(divide(*_aligned(self._components, as_scalars(other)[None])))
+
+    def __rtruediv__(self, scalar) -> DualQuaternion:
+        return self.inverse() * scalar
+
+    def __pow__(self, exponent: int) -> DualQuaternion:
+        base = self.inverse() if exponent < 0 else self
+        return math.prod([base] * abs(exponent), start=one)
+
+    def __eq__(self, other):
+        """Whether all coefficients agree (not: whether the points of P⁷ do); one answer a batch entry."""
+        if isinstance(other, (str, type(None))):
+            return NotImplemented
+        difference = self - other
+        equal = np.asarray(is_zero(difference._components, rtol=0)).all(axis=0)
+        return bool(equal) if difference.shape == () else equal
+
+    def __len__(self) -> int:
+        if not self.shape:
+            raise TypeError("a single dual quaternion has no length; its coefficients are in .coeffs")
+        return self.shape[0]
+
+    def __getitem__(self, index) -> DualQuaternion:
+        """Entries of the batch, indexed as an array of shape ``self.shape``."""
+        index = index if isinstance(index, tuple) else (index,)
+        return self.from_components(np.array(self._components[(slice(None), *index)]))
+
+    def __iter__(self) -> Iterator[DualQuaternion]:
+        return (self[n] for n in range(len(self)))
+
+    def __repr__(self) -> str:
+        if self.shape:
+            return f"DualQuaternion of shape {self.shape}, {self._components.dtype}"
+        terms = [_term(c, unit) for c, unit in zip(self._components.tolist(), UNITS, strict=True) if c != 0]
+        return " + ".join(terms).replace("+ -", "- ") or "0"
+
+
+def _term(coefficient, unit: str) -> str:
+    text = f"{coefficient:.6g}" if isinstance(coefficient, float) else str(coefficient)
+    if not unit:
+        return text
+    if text in ("1", "-1"):
+        return text.replace("1", unit)
+    compound = " " in text and not text.startswith("(")
+    return f"({text}) {unit}" if compound else f"{text} {unit}"
+
+
+def _embedded(scalar) -> DualQuaternion:
+    """A scalar, or an array of scalars, as dual quaternions."""
+    array = as_scalars(scalar)
+    components = np.zeros((8, *array.shape), dtype=array.dtype)
+    components[0] = array
+    return DualQuaternion.from_components(components)
+
+
+def _settled(components: np.ndarray) -> np.ndarray:
+    """The result of an operation; whole numbers that grew are kept from overflowing in the next one."""
+    return narrow(components) if components.dtype.kind == "i" else components
+
+
+def _signed(components: np.ndarray, signs) -> np.ndarray:
+    return components * np.reshape(signs, (8,) + (1,) * (components.ndim - 1))
+
+
+def _aligned(a: np.ndarray, b: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Insert axes behind the components, so that the batches broadcast from the right."""
+    batch = max(a.ndim, b.ndim) - 1
+    return tuple(x.reshape(x.shape[:1] + (1,) * (batch - x.ndim + 1) + x.shape[1:]) for x in (a, b))
+
+
+def _aligned_sum(a: np.ndarray, b: np.ndarray) -> np.ndarray:
+    a, b = promote(a, b)
+    if a.ndim != b.ndim:
+        a, b = _aligned(a, b)
+    return a + b
+
+
+def _scaled(components: np.ndarray, scalar: np.ndarray) -> np.ndarray:
+    components, scalar = promote(components, scalar)
+    if scalar.ndim == 0:
+        return components * scalar[()]
+    components, scalar = _aligned(components, scalar[None])
+    return components * scalar
+
+
+def _product_formula(a, b):
+    """(p + εd)(r + εe) = pr + ε(pe + dr), written out; each component may be a number or an array."""
+    p0, p1, p2, p3, d0, d1, d2, d3 = a
+    r0, r1, r2, r3, e0, e1, e2, e3 = b
+    return (
+        p0 * r0 - p1 * r1 - p2 * r2 - p3 * r3,
+        p0 * r1 + p1 * r0 + p2 * r3 - p3 * r2,
+        p0 * r2 - p1 * r3 + p2 * r0 + p3 * r1,
+        p0 * r3 + p1 * r2 - p2 * r1 + p3 * r0,
+        p0 * e0 - p1 * e1 - p2 * e2 - p3 * e3 + d0 * r0 - d1 * r1 - d2 * r2 - d3 * r3,
+        p0 * e1 + p1 * e0 + p2 * e3 - p3 * e2 + d0 * r1 + d1 * r0 + d2 * r3 - d3 * r2,
+        p0 * e2 - p1 * e3 + p2 * e0 + p3 * e1 + d0 * r2 - d1 * r3 + d2 * r0 + d3 * r1,
+        p0 * e3 + p1 * e2 - p2 * e1 + p3 * e0 + d0 * r3 + d1 * r2 - d2 * r1 + d3 * r0,
+    )
+
+
+def _product(a: np.ndarray, b: np.ndarray) -> np.ndarray:
+    """The product of component arrays (8, ...) and (8, ...), batches broadcast."""
+    a, b = promote(a, b)
+    if a.ndim == b.ndim == 1:
+        return _packed(_product_formula(a.tolist(), b.tolist()), np.result_type(a, b))
+    return blockwise(_product_formula, a, b, rows=8)
+
+
+def _packed(values, dtype) -> np.ndarray:
+    return as_scalars(values) if dtype.kind == "i" else np.array(values, dtype=dtype)
+
+
+def blockwise(formula, *operands: np.ndarray, rows: int) -> np.ndarray:
+    """Apply a formula on components to arrays (components, ...), a cache-sized block of the batch at a time.
+
+    Parameters
+    ----------
+    formula : callable
+        Takes one sequence of components for each operand, returns ``rows`` components.
+    operands : arrays, shape (components, ...)
+        Their batches are broadcast against each other.
+    rows : int
+        The number of components of the result.
+
+    Returns
+    -------
+    numpy.ndarray, shape (rows, ...)
+    """
+    shape = np.broadcast_shapes(*[x.shape[1:] for x in operands])
+    total, dtype = math.prod(shape), np.result_type(*operands)
+    operands = [x if x.ndim == 1 else _flat(x, shape, total) for x in operands]
+    result = np.empty((rows, total), dtype=dtype)
+    for start in range(0, total, BLOCK):
+        block = slice(start, start + BLOCK)
+        values = formula(*[x if x.ndim == 1 else x[:, block] for x in operands])
+        for row, value in zip(result, values, strict=True):
+            row[block] = value
+    return _settled(result.reshape(rows, *shape))
+
+
+def _flat(x: np.ndarray, shape: tuple[int, ...], total: int) -> np.ndarray:
+    if x.shape[1:] != shape:
+        x = np.broadcast_to(x.reshape(x.shape[:1] + (1,) * (len(shape) - x.ndim + 1) + x.shape[1:]), (len(x), *shape))
+    return x.reshape(len(x), total)
+
+
+one, i, j, k, eps = (DualQuaternion(row) for row in np.eye(8, dtype=int)[[0, 1, 2, 3, 4]])

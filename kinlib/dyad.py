@@ -1,0 +1,304 @@
+"""2R dyads, their spaces and null quadrilaterals; Theorem 1 as a procedure."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import NamedTuple
+
+import numpy as np
+
+from kinlib.displacement import as_pose, unit
+from kinlib.dual_quaternion import DualQuaternion, one
+from kinlib.errors import DegenerateError
+from kinlib.line import Line
+from kinlib.number_field import square_root
+from kinlib.projective import Subspace, coordinates_of, join, null_space, same_point
+from kinlib.quadric import Quadric, binary_roots
+from kinlib.scalar import RTOL, divide, imaginary_unit, is_exact, is_infinite, is_zero, size
+from kinlib.study import NULL_CONE, STUDY_QUADRIC, null_form, study_form
+
+__all__ = ["Dyad", "NullQuadrilateral", "TwoRSpace", "recognise"]
+
+
+class NullQuadrilateral(NamedTuple):
+    """The vertices of a null quadrilateral in their order; u1, u2 and v1, v2 are conjugate complex.
+
+    With m = √−1 − h1 and n = √−1 − h2 they are m n̂, m n, m̂ n, m̂ n̂, where a hat conjugates √−1.
+    """
+
+    u1: DualQuaternion
+    v1: DualQuaternion
+    u2: DualQuaternion
+    v2: DualQuaternion
+
+
+@dataclass(frozen=True, eq=False)
+class Dyad:
+    """An open 2R chain: rotate about the axis of h2, then about that of h1.
+
+    Parameters
+    ----------
+    h1, h2 : DualQuaternion, shape (...)
+        Half-turns l + εm about the axis at the base and the moving axis.  Floats have |l| = 1; exact
+        half-turns may be longer, since the root that would shorten them may leave the number field.
+    home : DualQuaternion
+        The pose of the end link at t1 = t2 = ∞.
+
+    Raises
+    ------
+    ValueError
+        If h1 or h2 is no half-turn about a line.
+    DegenerateError
+        If the two axes agree.
+
+    Examples
+    --------
+    >>> dyad = Dyad(i, j - eps * i)
+    >>> dyad(0, 0) == i * (j - eps * i)
+    True
+    """
+
+    h1: DualQuaternion
+    h2: DualQuaternion
+    home: DualQuaternion = field(default_factory=lambda: one)
+
+    def __post_init__(self):
+        for name, h in (("h1", self.h1), ("h2", self.h2)):
+            if np.any(~_is_half_turn(h)):
+                raise ValueError(f"{name} is no half-turn l + εm about a line: l ≠ 0 and l · m = 0 are needed")
+        if np.any(same_point(self.h1, self.h2)):
+            raise DegenerateError("h1 and h2 commute, so their axes agree: a 2R dyad needs two different axes")
+
+    def __call__(self, t1, t2) -> DualQuaternion:
+        """The pose R(t1, t2) of equation (2); t = ∞ is no rotation."""
+        return _factor(t1, self.h1) * _factor(t2, self.h2) * self.home
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """The shape of the batch."""
+        return np.broadcast_shapes(self.h1.shape, self.h2.shape, self.home.shape)
+
+    @property
+    def axes(self) -> tuple[Line, Line]:
+        """The axes of h1 and h2 as lines, in the fixed frame at t1 = t2 = ∞."""
+        return Line.from_dual_quaternion(self.h1), Line.from_dual_quaternion(self.h2)
+
+    @property
+    def basis(self) -> tuple[DualQuaternion, ...]:
+        """The base points 1, h1, h2, h1h2 of the 2R space (times the home pose)."""
+        return tuple(x * self.home for x in (one, self.h1, self.h2, self.h1 * self.h2))
+
+    def space(self) -> TwoRSpace:
+        """The 2R space of the dyad."""
+        return TwoRSpace(self)
+
+    def coordinates(self, pose: DualQuaternion) -> tuple:
+        """The x0, x1, x2, x3 with primal part of pose = that of x0 + x1 h1 + x2 h2 + x3 h1h2 (times home).
+
+        Poses R(t1, t2) have the coordinates t1 t2, −t2, −t1, 1, so they lie on the quadric x0 x3 = x1 x2.
+        """
+        x = pose * self.home.inverse()
+        n1, n2, c = null_form(self.h1, self.h1), null_form(self.h2, self.h2), null_form(self.h1, self.h2)
+        area = n1 * n2 - c * c
+        along = [null_form(x, y) for y in (one, self.h1, self.h2, self.h1 * self.h2)]
+        return (
+            divide(n1 * n2 * along[0] + c * along[3], area),
+            divide(n2 * along[1] - c * along[2], area),
+            divide(n1 * along[2] - c * along[1], area),
+            divide(c * along[0] + along[3], area),
+        )
+
+    def parameters(self, pose: DualQuaternion) -> tuple:
+        """The t1, t2 with R(t1, t2) = pose, for a pose that the dyad reaches.
+
+        Examples
+        --------
+        >>> dyad = Dyad(i, j - eps * i)
+        >>> t1, t2 = dyad.parameters(dyad(2, 3))
+        >>> int(t1), int(t2)
+        (2, 3)
+        """
+        x0, x1, x2, x3 = self.coordinates(pose)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            return _ratio(x2, x3, x0, x1), _ratio(x1, x3, x0, x2)
+
+
+def _ratio(numerator, denominator, other_numerator, other_denominator):
+    """−numerator/denominator, or −other_numerator/other_denominator where that is 0/0; ∞ over 0."""
+    use = is_zero(denominator, size([numerator, denominator]), rtol=0)
+    if np.ndim(use) == 0 and use:
+        numerator, denominator = other_numerator, other_denominator
+        if is_zero(denominator, rtol=0):
+            return np.inf
+    return -divide(numerator, denominator)
+
+
+def _factor(t, h: DualQuaternion) -> DualQuaternion:
+    return one if np.ndim(t) == 0 and is_infinite(t) else t - h
+
+
+def _is_half_turn(h: DualQuaternion):
+    real = is_zero(h.components[[0, 4]], size(h.components, 0), RTOL)
+    p, d = size(h.components[1:4], 0), size(h.components[5:], 0)
+    on_quadric = is_zero(study_form(h, h), p * d + p * p, RTOL)
+    return (np.all(real, axis=0) & on_quadric & (p > 0)) | np.isnan(p)
+
+
+@dataclass(frozen=True, eq=False)
+class TwoRSpace:
+    """The 3-space spanned by the image of a 2R dyad.
+
+    Examples
+    --------
+    >>> space = Dyad(i, j - eps * i).space()
+    >>> i * (j - eps * i) in space, (j - eps * i) * i in space
+    (True, False)
+    """
+
+    dyad: Dyad
+
+    @property
+    def points(self) -> DualQuaternion:
+        """Four points that span the space, shape (..., 4)."""
+        return DualQuaternion.stack(self.dyad.basis, axis=-1)
+
+    def as_subspace(self) -> Subspace:
+        """The space as a subspace of P⁷."""
+        return Subspace(self.points.coeffs)
+
+    def contains(self, pose, *, rtol: float = RTOL):
+        """Whether a point of P⁷ lies in the space; batches give one answer an entry."""
+        x = pose if isinstance(pose, DualQuaternion) else as_pose(pose)
+        inside = sum((e * c for c, e in zip(self.dyad.coordinates(x), self.dyad.basis, strict=True)), one * 0)
+        difference = (inside - x).components
+        primal, dual = (
+            size(x.components[:4], 0),
+            np.maximum(size(x.components[4:], 0), size(inside.components[4:], 0)),
+        )
+        close = np.concatenate([is_zero(difference[:4], primal, rtol), is_zero(difference[4:], dual, rtol)])
+        return np.all(close, axis=0)[()]
+
+    def __contains__(self, pose) -> bool:
+        return bool(np.all(self.contains(pose)))
+
+    def quadric(self) -> Quadric:
+        """The Study quadric in the coordinates of the basis 1, h1, h2, h1h2: a multiple of x0 x3 − x1 x2."""
+        return STUDY_QUADRIC.restrict(self.as_subspace())
+
+    def null_quadrilateral(self) -> NullQuadrilateral:
+        """The null quadrilateral t1, t2 = ±√−1 of Lemma 2, four complex points.
+
+        Examples
+        --------
+        >>> from kinlib import is_null_line
+        >>> u1, v1, u2, v2 = Dyad(i, j - eps * i).space().null_quadrilateral()
+        >>> all(is_null_line(x, y) for x, y in [(u1, v1), (v1, u2), (u2, v2), (v2, u1)])
+        True
+        """
+        imaginary = imaginary_unit(self.dyad.h1.components)
+        t1, t2 = (imaginary * square_root(null_form(h, h)) for h in (self.dyad.h1, self.dyad.h2))
+        signs = ((1, -1), (1, 1), (-1, 1), (-1, -1))
+        return NullQuadrilateral(*(self.dyad(s1 * t1, s2 * t2) for s1, s2 in signs))
+
+
+def recognise(basis, *, rtol: float = RTOL) -> Dyad:
+    """Theorem 1 as a procedure: the 2R dyad of a 3-space, or the condition that fails.
+
+    A real 3-space P through [1] that misses E is a 2R space exactly if A = N⁻¹S satisfies
+    A² − ½ tr(A) A + κ = 0 with A not scalar and κ ≠ 0, where S and N are the matrices of the Study form and
+    of the null form on P.  The axes are the two points of the Study quadric on the line of P in which it meets
+    the vectors l + εm.
+
+    Parameters
+    ----------
+    basis : Subspace, TwoRSpace, DualQuaternion of shape (4,), or array_like of shape (4, 8)
+        Four points that span the 3-space; floats or exact.
+    rtol : float
+        What counts as zero for floats.
+
+    Raises
+    ------
+    DegenerateError
+        Naming the first condition that fails.
+
+    Examples
+    --------
+    >>> dyad = recognise([one.coeffs, i.coeffs, (j - eps * i).coeffs, (i * (j - eps * i)).coeffs])
+    >>> dyad.h1, dyad.h2
+    (i, j - εi)
+    >>> recognise(DualQuaternion.stack([one, i, j, k]))
+    Traceback (most recent call last):
+    ...
+    kinlib.errors.DegenerateError: the space lies in the Study quadric: the axes would be coplanar
+    """
+    space = _three_space(basis, rtol)
+    null, study = NULL_CONE.restrict(space), STUDY_QUADRIC.restrict(space)
+    if null.rank(rtol=rtol) < 4:
+        raise DegenerateError("the space meets the exceptional three-space: one of the joints would be prismatic")
+    _check_regular(study, rtol)
+    _check_null_quadrilateral(null, study, rtol)
+    first, second = _rotations(space)
+    if first * second in _Span(space):
+        return Dyad(first, second)
+    return Dyad(second, first)
+
+
+class _Span(NamedTuple):
+    space: Subspace
+
+    def __contains__(self, point) -> bool:
+        return self.space.contains(point)
+
+
+def _three_space(basis, rtol: float) -> Subspace:
+    if isinstance(basis, TwoRSpace):
+        basis = basis.points
+    space = basis if isinstance(basis, Subspace) else join(*coordinates_of(basis), rtol=rtol)
+    if space.dimension != 3:
+        raise DegenerateError(f"expected points that span a 3-space, got a span of dimension {space.dimension}")
+    if not space.contains(one):
+        raise DegenerateError("the space does not contain [1], the identity: multiply by the inverse of a pose")
+    return space
+
+
+def _check_regular(study: Quadric, rtol: float) -> None:
+    rank = study.rank(rtol=rtol)
+    if rank == 0:
+        raise DegenerateError("the space lies in the Study quadric: the axes would be coplanar")
+    if rank < 4:
+        raise DegenerateError(f"the space meets the Study quadric in a singular quadric, of rank {rank}")
+    positive, _ = study.signature()
+    if positive != 2:
+        raise DegenerateError(
+            "the space meets the Study quadric in a regular quadric without real lines: the axes would be complex"
+        )
+
+
+def _check_null_quadrilateral(null: Quadric, study: Quadric, rtol: float) -> None:
+    A = _solve(null.matrix, study.matrix)
+    square = A @ A - divide(np.trace(A), 2) * A
+    scalar = np.eye(4, dtype=int) * square[0, 0]
+    if not np.all(is_zero(square - scalar, size(A) ** 2, rtol)):
+        raise DegenerateError("the space contains no null quadrilateral: its real rulings are not rotations of a dyad")
+
+
+def _solve(N: np.ndarray, S: np.ndarray) -> np.ndarray:
+    """N⁻¹S, from the null space of [N, −S]: for each column x of S the solution of N y = x."""
+    if not is_exact(N) or not is_exact(S):
+        return np.linalg.solve(N, S)
+    columns = [null_space(np.column_stack([N, -S[:, n]])) for n in range(len(S))]
+    return np.array([divide(c[0, :-1], c[0, -1]) for c in columns], dtype=object).T
+
+
+def _rotations(space: Subspace) -> tuple[DualQuaternion, DualQuaternion]:
+    """The two points of the Study quadric on the line of half-turns in the space, as unit ones if possible."""
+    half_turns = [one.coeffs, coordinates_of(_DUAL_ONE)]
+    conditions = np.array([space.basis @ row for row in half_turns])
+    line = DualQuaternion(null_space(conditions) @ space.basis)
+    x, y = line
+    roots = binary_roots(study_form(x, x), study_form(x, y), study_form(y, y))
+    first, second = (unit(x * s + y * t) for s, t in roots)
+    return first, second
+
+
+_DUAL_ONE = DualQuaternion([0, 0, 0, 0, 1, 0, 0, 0])

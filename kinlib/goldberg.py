@@ -1,0 +1,222 @@
+"""Goldberg linkages (5R) through three poses, with two real parameters to choose.
+
+Take one of the two dyads through the poses, with axes A at the base and B, and let A turn twice while B turns
+once.  Its motion is C = (t − h1)(t − h2)(t − hB) with h1, h2 = x + y hA, where hA and hB are the half-turns about
+the axes and t is the parameter of B.  With hA in the place of √−1 the pairs (x, y) are complex numbers z1, z2.
+For a pose (s_A − hA)(s_B − hB) the product (s_B − z1)(s_B − z2)(s_A + hA) must be real: for z1 given this is one
+real linear equation for z2, and two poses determine z2.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from kinlib.displacement import as_pose
+from kinlib.dual_quaternion import DualQuaternion
+from kinlib.dyad import Dyad
+from kinlib.errors import report_faults
+from kinlib.factorization import bennett_flip
+from kinlib.interpolation import is_tangent
+from kinlib.linkage import Linkage
+from kinlib.scalar import as_scalars, divide, is_zero, size
+from kinlib.study import null_form
+from kinlib.three_poses import FAULTS as POSE_FAULTS
+from kinlib.three_poses import TANGENT, dyads_through_poses, masked
+
+__all__ = ["goldberg_linkages"]
+
+FAULTS = (
+    "z is real: the joint would turn once only, as in the Bennett linkage through the poses",
+    "z belongs to the Bennett linkage through the poses: its partner is not determined",
+    "z lies on the circumcircle of the triangle: its isogonal conjugate is at infinity, and the cubic is a conic",
+    "z lies on a side of the triangle: the cubic misses pose 1",
+    "z lies on a side of the triangle: the cubic misses pose 2",
+    "the quadratic of z or of its partner is that of the other axis (z = ±√−1): every factorization begins with "
+    "the joint that turns twice, so there is no 5R",
+    "z is an incentre or excentre of the triangle, its own isogonal conjugate: the two 5R linkages coincide",
+)
+REAL, BENNETT, CIRCUMCIRCLE, MISSES_1, MISSES_2, SAME_QUADRATIC, OWN_CONJUGATE = range(1, 8)
+NEAR = 1e-10  # how near to a bad place, relative to the size of the numbers, is taken to be on it
+
+
+def goldberg_linkages(p0, p1, p2, z, *, degenerate: str = "raise") -> tuple[Linkage, ...]:
+    """The eight 5R linkages through three poses for a complex number z.
+
+    Parameters
+    ----------
+    p0, p1, p2 : DualQuaternion of shape (...), 4×4 matrices or SciPy RigidTransforms
+        Any poses that have two dyads and a conic (Theorem 2); exact ones give exact linkages.
+    z : complex, array of complex, or pair (x, y)
+        The first root z1 = x + √−1 y, not real.  It stands for h1 = x + y h, where h is the half-turn about the
+        joint that turns twice; a pair of exact numbers keeps everything exact, with h as the exact dyad has
+        it (of length 1 only if that root can be taken).
+    degenerate : {"raise", "nan"}
+        What to do about poses, or values of z, for which a linkage is not determined; with ``"nan"`` only the
+        linkages concerned are NaN.
+
+    Returns
+    -------
+    tuple of 8 Linkages
+        For each of the two dyads: with its base joint turning twice, two linkages; with its moving joint
+        turning twice, two linkages.
+
+    Raises
+    ------
+    DegenerateError
+        Naming the geometry, and the triangle in whose plane z is badly placed.
+
+    Examples
+    --------
+    >>> poses = one, i * (j - eps * i), (1 - i) * (2 - j + eps * i)
+    >>> linkages = goldberg_linkages(*poses, (1, 2))
+    >>> len(linkages), linkages[0].joints, all(linkage.closure_residual() == 0 for linkage in linkages)
+    (8, (2, 1, 1, 1, 1), True)
+    """
+    poses = [as_pose(p) for p in (p0, p1, p2)]
+    z1 = _plane_point(z)
+    dyads = dyads_through_poses(*poses, degenerate=degenerate)
+    faulty = report_faults(is_tangent(*poses) * TANGENT, POSE_FAULTS, degenerate)
+    linkages = []
+    with np.errstate(invalid="ignore", divide="ignore", over="ignore"):
+        for number, dyad in enumerate(dyads, start=1):
+            s1, s2 = (dyad.parameters(masked(p, faulty)) for p in poses[1:])
+            for side, build in (("base", _base_turns_twice), ("moving", _moving_turns_twice)):
+                place = f"dyad {number}, {side} joint turning twice: "
+                linkages += build(dyad, s1, s2, z1, place, degenerate)
+    return tuple(linkages)
+
+
+@dataclass(frozen=True)
+class _Plane:
+    """A number x + y h of the plane in which h, with h² = −n, stands for √−1."""
+
+    x: np.ndarray
+    y: np.ndarray
+    n: np.ndarray
+
+    __array_ufunc__ = None
+
+    def __mul__(self, other):
+        return _Plane(self.x * other.x - self.n * self.y * other.y, self.x * other.y + self.y * other.x, self.n)
+
+    def __rsub__(self, real):
+        return _Plane(real - self.x, -self.y, self.n)
+
+    def square(self):
+        return self.x * self.x + self.n * self.y * self.y
+
+    def at(self, h: DualQuaternion) -> DualQuaternion:
+        return h * self.y + self.x
+
+
+def _plane_point(z) -> tuple:
+    if isinstance(z, (tuple, list)) and len(z) == 2:
+        return tuple(divide(as_scalars(part), 1) for part in z)
+    z = np.asarray(z)
+    if z.dtype.kind not in "iufc" or not np.all(np.isfinite(z)):
+        raise ValueError("expected z as finite complex numbers, or as a pair (x, y) of real numbers")
+    return z.real.astype(float), z.imag.astype(float)
+
+
+def _base_turns_twice(dyad: Dyad, s1, s2, z1, place: str, degenerate: str) -> list[Linkage]:
+    first, partners, faults = _cubic(dyad.h1, dyad.h2, s1, s2, z1)
+    bad = report_faults(faults, [place + fault for fault in FAULTS], degenerate)
+    parameters = (math.inf, s1[1], s2[1])
+    return [
+        Linkage.from_chains(
+            _all_masked(first, bad), second, home=dyad.home, joints=(2, 1, 1, 1, 1), parameters=parameters
+        )
+        for second in partners
+    ]
+
+
+def _moving_turns_twice(dyad: Dyad, s1, s2, z1, place: str, degenerate: str) -> list[Linkage]:
+    """The mirror case, through the conjugate motion C̄, whose dyad has the axes −h2 and −h1."""
+    first, partners, faults = _cubic(-dyad.h2, -dyad.h1, s1[::-1], s2[::-1], z1)
+    bad = report_faults(faults, [place + fault for fault in FAULTS], degenerate)
+    parameters = (math.inf, s1[0], s2[0])
+    return [
+        Linkage.from_chains(
+            _reversed(_all_masked(first, bad)),
+            _reversed(second),
+            home=dyad.home,
+            joints=(1, 2, 1, 1, 1),
+            parameters=parameters,
+        )
+        for second in partners
+    ]
+
+
+def _reversed(factors) -> tuple[DualQuaternion, ...]:
+    return tuple(h.conjugate() for h in reversed(factors))
+
+
+def _all_masked(factors, rows: np.ndarray) -> tuple[DualQuaternion, ...]:
+    return tuple(masked(h * np.ones(rows.shape, dtype=int), rows) for h in factors) if rows.any() else factors
+
+
+def _cubic(hA: DualQuaternion, hB: DualQuaternion, s1, s2, z):
+    """The factors h1, h2, hB of the cubic with A turning twice, its two admissible partners, and the faults.
+
+    The quadratic factors of C C̄ are those of h1, h2 and hB.  A partner begins with the quadratic of hB and ends
+    with that of h1 or of h2; two exchanges of neighbours bring hB to the front.
+    """
+    n = null_form(hA, hA)
+    z1 = _Plane(*z, n)
+    z2, determinant = _partner(z1, s1, s2)
+    faults = _faults(z1, z2, determinant, s1, s2, null_form(hB, hB))
+    safe = np.where(np.isin(faults, UNUSABLE), np.nan, 1.0) if np.any(np.isin(faults, UNUSABLE)) else 1
+    h1, h2 = z1.at(hA), z2.at(hA) * safe
+    partners = [_brought_to_front(h1, h2, hB), _brought_to_front(h2, h1, hB)]
+    return (h1, h2, hB), partners, faults
+
+
+UNUSABLE = (BENNETT, CIRCUMCIRCLE)
+
+
+def _partner(z1: _Plane, s1, s2) -> tuple[_Plane, tuple]:
+    """The z2 with Im (s_B − z2) w = 0 for w = (s_B − z1)(s_A + h), at both poses."""
+    w1, w2 = ((s_b - z1) * _Plane(s_a, 1, z1.n) for s_a, s_b in (s1, s2))
+    determinant = w1.y * w2.x - w1.x * w2.y
+    right1, right2 = s1[1] * w1.y, s2[1] * w2.y
+    x = divide(right1 * w2.x - w1.x * right2, determinant)
+    y = divide(w1.y * right2 - right1 * w2.y, determinant)
+    return _Plane(x, y, z1.n), (determinant, w1, w2)
+
+
+def _faults(z1: _Plane, z2: _Plane, solved, s1, s2, nB) -> np.ndarray:
+    determinant, w1, w2 = solved
+    scale1, scale2 = (np.sqrt(np.asarray(w.square()).astype(float)) for w in (w1, w2))
+    length = np.sqrt(np.asarray(z2.square()).astype(float))
+    real1, real2 = is_zero(w1.y, scale1, NEAR), is_zero(w2.y, scale2, NEAR)
+    parallel = is_zero(determinant, scale1 * scale2, NEAR)
+    on_side = is_zero(z2.y, length, NEAR)
+    misses_1 = is_zero(s1[1] - z2.x, size([s1[1], z2.x], 0), 1e-6)
+    quadratics = [(z.x, z.square()) for z in (z1, z2)]
+    conditions = [
+        (is_zero(z1.y, np.sqrt(np.asarray(z1.square()).astype(float)), NEAR), REAL),
+        (real1 & real2, BENNETT),
+        (parallel, CIRCUMCIRCLE),
+        (on_side & misses_1, MISSES_1),
+        (on_side, MISSES_2),
+        (_same_quadratic(quadratics[0], (0, nB)) | _same_quadratic(quadratics[1], (0, nB)), SAME_QUADRATIC),
+        (_same_quadratic(*quadratics), OWN_CONJUGATE),
+    ]
+    return np.select([np.asarray(where) for where, _ in conditions], [fault for _, fault in conditions], 0)
+
+
+def _same_quadratic(first, second):
+    """Whether t² − 2xt + q is one polynomial for two pairs (x, q)."""
+    (x, q), (y, r) = first, second
+    scale = np.asarray(abs(q) + abs(r)).astype(float)
+    return is_zero(x - y, np.sqrt(scale), NEAR) & is_zero(q - r, scale, NEAR)
+
+
+def _brought_to_front(h1: DualQuaternion, h2: DualQuaternion, h3: DualQuaternion) -> tuple[DualQuaternion, ...]:
+    """The factorization with the quadratics of h3, h1, h2 in this order."""
+    middle, k3 = bennett_flip(h2, h3)
+    k1, k2 = bennett_flip(h1, middle)
+    return k1, k2, k3

@@ -1,0 +1,297 @@
+"""Polynomials in one real parameter t with dual quaternion coefficients; t commutes with everything."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import reduce
+
+import numpy as np
+
+from kinlib.dual_quaternion import DualQuaternion, one
+from kinlib.errors import DegenerateError
+from kinlib.scalar import RTOL, as_scalars, divide, is_infinite, is_zero, size
+from kinlib.study import null_form, study_form
+
+__all__ = ["MotionPolynomial", "RationalCurve", "evaluate", "linear_factor", "multiply"]
+
+
+@dataclass(frozen=True, eq=False)
+class RationalCurve:
+    """A rational curve of space: homogeneous coordinates (w, x, y, z), polynomials in t.
+
+    Parameters
+    ----------
+    coeffs : array_like, shape (..., m+1, 4)
+        Highest power first.
+    """
+
+    coeffs: np.ndarray
+
+    @property
+    def degree(self) -> int:
+        """The formal degree m of the coordinates."""
+        return self.coeffs.shape[-2] - 1
+
+    def __call__(self, t) -> np.ndarray:
+        """The points at parameter values t, shape (..., 3)."""
+        w, *x = np.moveaxis(_evaluate(self.coeffs, t), -1, 0)
+        return np.stack([divide(y, w) for y in x], axis=-1)
+
+
+class MotionPolynomial:
+    """C(t) = c_n tⁿ + … + c_0: a rational motion if C C̄ is a real polynomial.
+
+    Parameters
+    ----------
+    coeffs : array_like, shape (..., n+1, 8)
+        The dual quaternions c_n, …, c_0, highest power first, any scalars; leading axes are a batch.
+
+    Examples
+    --------
+    >>> C = linear_factor(i) * linear_factor(j - eps * i)
+    >>> C.degree, C.norm_polynomial().tolist()
+    (2, [1, 0, 2, 0, 1])
+    >>> C(0) == i * (j - eps * i)
+    True
+    """
+
+    __slots__ = ("coefficients",)
+    __hash__ = None
+    __array_ufunc__ = None
+
+    def __init__(self, coeffs):
+        array = as_scalars(coeffs)
+        if array.ndim < 2 or array.shape[-1] != 8:
+            raise ValueError(f"expected coefficients of shape (..., n+1, 8), got {array.shape}")
+        self.coefficients = tuple(DualQuaternion(array[..., n, :]) for n in range(array.shape[-2]))
+
+    @classmethod
+    def from_coefficients(cls, coefficients) -> MotionPolynomial:
+        """The polynomial with these dual quaternions as coefficients, highest power first."""
+        self = object.__new__(cls)
+        self.coefficients = tuple(coefficients)
+        return self
+
+    @property
+    def coeffs(self) -> np.ndarray:
+        """All coefficients, shape (..., n+1, 8)."""
+        return DualQuaternion.stack(self.coefficients, axis=-1).coeffs
+
+    @property
+    def degree(self) -> int:
+        """The formal degree n: the leading coefficient may vanish."""
+        return len(self.coefficients) - 1
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """The shape of the batch."""
+        return np.broadcast_shapes(*[c.shape for c in self.coefficients])
+
+    @property
+    def leading(self) -> DualQuaternion:
+        """The coefficient of the highest power: the pose at t = ∞."""
+        return self.coefficients[0]
+
+    def __call__(self, t) -> DualQuaternion:
+        """The pose at t.
+
+        Parameters
+        ----------
+        t : scalar or array_like
+            Broadcasts against the batch; ``math.inf`` gives the leading coefficient.
+        """
+        if np.ndim(t) == 0 or self.shape:
+            return evaluate(self.coefficients, t)
+        return DualQuaternion(_evaluate(self.coeffs, t))
+
+    def conjugate(self) -> MotionPolynomial:
+        """C̄, with conjugate coefficients: the inverse motion."""
+        return self.from_coefficients(c.conjugate() for c in self.coefficients)
+
+    def norm_polynomial(self) -> np.ndarray:
+        """The real polynomial C C̄ (its primal part), shape (..., 2n+1), highest power first."""
+        return _convolve(null_form, self.coefficients)
+
+    def study_polynomial(self) -> np.ndarray:
+        """The dual part of C C̄, shape (..., 2n+1); it vanishes for a motion."""
+        return _convolve(study_form, self.coefficients)
+
+    def is_motion(self, *, rtol: float = RTOL):
+        """Whether C C̄ is real and not zero, so that every C(t) is a point of the Study quadric."""
+        coeffs = self.coeffs
+        scale = size(coeffs[..., :4], (-1, -2)) * size(coeffs[..., 4:], (-1, -2))
+        on_quadric = np.all(is_zero(self.study_polynomial(), np.expand_dims(scale, -1), rtol), axis=-1)
+        return (on_quadric & ~np.all(is_zero(self.norm_polynomial(), rtol=0), axis=-1))[()]
+
+    def __add__(self, other) -> MotionPolynomial:
+        longer, shorter = self.coefficients, _polynomial(other).coefficients
+        if len(longer) < len(shorter):
+            longer, shorter = shorter, longer
+        gap = len(longer) - len(shorter)
+        lower = (a + b for a, b in zip(longer[gap:], shorter, strict=True))
+        return self.from_coefficients((*longer[:gap], *lower))
+
+    __radd__ = __add__
+
+    def __neg__(self) -> MotionPolynomial:
+        return self.from_coefficients(-c for c in self.coefficients)
+
+    def __sub__(self, other) -> MotionPolynomial:
+        return self + -_polynomial(other)
+
+    def __rsub__(self, other) -> MotionPolynomial:
+        return _polynomial(other) + -self
+
+    def __mul__(self, other) -> MotionPolynomial:
+        return self.from_coefficients(multiply(self.coefficients, _polynomial(other).coefficients))
+
+    def __rmul__(self, other) -> MotionPolynomial:
+        return _polynomial(other) * self
+
+    def __divmod__(self, divisor: MotionPolynomial) -> tuple[MotionPolynomial, MotionPolynomial]:
+        """Quotient Q and remainder R of the division from the right: C = Q M + R.
+
+        The leading coefficient of the divisor M must be invertible.
+
+        Examples
+        --------
+        >>> quotient, remainder = divmod(linear_factor(i) * linear_factor(j), linear_factor(j))
+        >>> quotient == linear_factor(i), remainder == 0
+        (True, True)
+        """
+        inverse = divisor.leading.inverse()
+        rest, quotient = list(self.coefficients), []
+        for n in range(self.degree - divisor.degree + 1):
+            quotient.append(rest[n] * inverse)
+            for m, c in enumerate(divisor.coefficients[1:], start=n + 1):
+                rest[m] = rest[m] - quotient[n] * c
+        zero = one * 0
+        remainder = rest[max(len(rest) - divisor.degree, 0) :]
+        return self.from_coefficients(quotient or [zero]), self.from_coefficients(remainder or [zero])
+
+    def __eq__(self, other):
+        """Whether all coefficients agree; one answer a batch entry."""
+        if isinstance(other, (str, type(None))):
+            return NotImplemented
+        equal = reduce(np.logical_and, [c == 0 for c in (self - other).coefficients])
+        return bool(equal) if np.ndim(equal) == 0 else equal
+
+    def __getitem__(self, index) -> MotionPolynomial:
+        """Entries of the batch."""
+        return MotionPolynomial(self.coeffs[index])
+
+    def __repr__(self) -> str:
+        if self.shape:
+            return f"MotionPolynomial of degree {self.degree}, shape {self.shape}"
+        terms = [_term(c, self.degree - n) for n, c in enumerate(self.coefficients) if not c == 0]
+        return " + ".join(terms).replace("+ -", "- ") or "0"
+
+    def trajectory(self, point) -> RationalCurve:
+        """The path of a point, shape (3,), of the moving frame: a rational curve of degree at most 2n.
+
+        By equation (1) its coordinates are p p̄ and the vector part of p x p̄ + d p̄ − p d̄.
+
+        Examples
+        --------
+        >>> circle = linear_factor(k).trajectory([1, 0, 0])
+        >>> circle(0).tolist(), circle.degree
+        ([Fraction(-1, 1), Fraction(0, 1), Fraction(0, 1)], 2)
+        """
+        x = DualQuaternion(np.concatenate([[1], np.zeros(4, dtype=int), as_scalars(point)]))
+        mirrored = [c.eps_conjugate().conjugate() for c in self.coefficients]
+        path = multiply([c * x for c in self.coefficients], mirrored)
+        return RationalCurve(np.stack([c.coeffs[..., [0, 5, 6, 7]] for c in path], axis=-2))
+
+    def same_motion(self, other: MotionPolynomial, *, rtol: float = RTOL) -> bool:
+        """Whether two polynomials move everything alike: C = λD with real polynomials on both sides.
+
+        Examples
+        --------
+        >>> C = linear_factor(i)
+        >>> (C * MotionPolynomial([one.coeffs, (2 * one).coeffs])).same_motion(C)
+        True
+        """
+        product = self.conjugate() * other
+        coeffs = product.coeffs
+        vector = np.delete(coeffs, (0, 4), axis=-1)
+        return bool(np.all(is_zero(vector, size(coeffs), rtol)))
+
+
+def linear_factor(h: DualQuaternion) -> MotionPolynomial:
+    """The polynomial t − h; if h is a half-turn, it turns by −2 arccot t about the axis of h.
+
+    Examples
+    --------
+    >>> linear_factor(i)
+    t - i
+    """
+    return MotionPolynomial.from_coefficients((one, -h))
+
+
+def _term(c: DualQuaternion, power: int) -> str:
+    name = {0: "", 1: "t"}.get(power, f"t^{power}")
+    text = repr(c)
+    if not name:
+        return text
+    return name if text == "1" else f"({text}) {name}"
+
+
+def _polynomial(x) -> MotionPolynomial:
+    """A dual quaternion or a scalar as a constant polynomial."""
+    if isinstance(x, MotionPolynomial):
+        return x
+    return MotionPolynomial.from_coefficients([x if isinstance(x, DualQuaternion) else one * x])
+
+
+def multiply(left, right) -> list[DualQuaternion]:
+    """The coefficients of the product of two polynomials, given by theirs, highest power first."""
+    total = [None] * (len(left) + len(right) - 1)
+    for n, a in enumerate(left):
+        for m, b in enumerate(right):
+            total[n + m] = a * b if total[n + m] is None else total[n + m] + a * b
+    return total
+
+
+def _convolve(form, items) -> np.ndarray:
+    """Σ form(x_n, x_m) over n + m = r, for r = 0, 1, …, on the last axis."""
+    count = len(items)
+    sums = [
+        sum(form(items[n], items[r - n]) for n in range(max(0, r - count + 1), min(r, count - 1) + 1))
+        for r in range(2 * count - 1)
+    ]
+    return np.stack(np.broadcast_arrays(*sums), axis=-1)
+
+
+def evaluate(coefficients, t):
+    """Horner's rule for coefficients of any kind; at infinity the leading one.  t broadcasts with the batch."""
+    infinite = np.isinf(t) if np.asarray(t).dtype.kind in "fc" else is_infinite(t)
+    if np.ndim(t) == 0 and infinite:
+        return coefficients[0]
+    finite = np.where(infinite, 0, t) if np.ndim(t) else t
+    value = reduce(lambda total, c: total * finite + c, coefficients)
+    if not np.any(infinite):
+        return value
+    keep = np.where(infinite, 0, 1)
+    return value * keep + coefficients[0] * (1 - keep)
+
+
+def _evaluate(coeffs: np.ndarray, t) -> np.ndarray:
+    """One polynomial with coefficients (n+1, m) at an array of parameters: (..., m), as a matrix product."""
+    t, degree = as_scalars(t), len(coeffs) - 1
+    infinite = np.isinf(t) if t.dtype.kind in "fc" else np.zeros(t.shape, dtype=bool)
+    finite = np.where(infinite, 0, t) if infinite.any() else t
+    powers = np.empty((*t.shape, degree + 1), dtype=t.dtype)
+    powers[..., degree] = 1
+    for n in range(degree - 1, -1, -1):
+        powers[..., n] = powers[..., n + 1] * finite
+    if infinite.any():
+        powers[infinite] = np.eye(degree + 1)[0]
+    return powers @ coeffs
+
+
+def check_monic(C: MotionPolynomial) -> None:
+    """Refuse a motion polynomial that does not start at the identity."""
+    if not np.all(is_zero((C.leading - 1).coeffs, rtol=RTOL)):
+        raise ValueError("expected a monic polynomial (the identity at t = ∞): factor C * C.leading.inverse()")
+    if not np.all(C.is_motion()):
+        raise DegenerateError("C C̄ is not a real polynomial: the curve leaves the Study quadric")

@@ -1,0 +1,142 @@
+"""Quadrics of projective space, given by their bilinear form."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from kinlib.number_field import square_root
+from kinlib.projective import Subspace, coordinates_of, null_space, same_point
+from kinlib.scalar import RTOL, as_float, as_scalars, divide, is_zero, size
+
+__all__ = ["Quadric", "binary_roots"]
+
+
+@dataclass(frozen=True, eq=False)
+class Quadric:
+    """The points x with form(x, x) = 0.
+
+    Parameters
+    ----------
+    matrix : array_like, shape (n+1, n+1)
+        The symmetric matrix of the bilinear form.
+
+    Examples
+    --------
+    >>> sphere = Quadric([[-1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]])
+    >>> sphere.contains([5, 3, 4, 0]), sphere.rank(), sphere.signature()
+    (True, 4, (3, 1))
+    """
+
+    matrix: np.ndarray
+
+    def __post_init__(self):
+        matrix = as_scalars(self.matrix)
+        if matrix.ndim != 2 or matrix.shape[0] != matrix.shape[1]:
+            raise ValueError(f"expected a square matrix, got shape {matrix.shape}")
+        if not np.all(is_zero(matrix - matrix.T, size(matrix))):
+            raise ValueError("expected a symmetric matrix: a quadric is given by a symmetric bilinear form")
+        matrix.setflags(write=False)
+        object.__setattr__(self, "matrix", matrix)
+
+    def form(self, x, y):
+        """The bilinear form at points x, y of shape (..., n+1); batches broadcast."""
+        return (coordinates_of(x) @ self.matrix * coordinates_of(y)).sum(axis=-1)
+
+    def contains(self, x, *, rtol: float = RTOL):
+        """Whether points lie on the quadric, or whether a whole subspace does."""
+        if isinstance(x, Subspace):
+            matrix = self.restrict(x).matrix
+            return bool(np.all(is_zero(matrix, size(x.basis) ** 2, rtol)))
+        x = coordinates_of(x)
+        return is_zero(self.form(x, x), size(self.matrix) * size(x, axis=-1) ** 2, rtol)
+
+    def tangent_hyperplane(self, x) -> np.ndarray:
+        """The linear form y ↦ form(x, y), as its coefficients, shape (..., n+1)."""
+        return coordinates_of(x) @ self.matrix
+
+    def rank(self, *, rtol: float = RTOL) -> int:
+        """The rank of the form; the quadric is regular if it is n+1."""
+        return len(self.matrix) - len(self.singular_points(rtol=rtol))
+
+    def singular_points(self, *, rtol: float = RTOL) -> np.ndarray:
+        """A basis of the points at which there is no tangent hyperplane, shape (n+1 − rank, n+1)."""
+        return null_space(self.matrix, rtol=rtol)
+
+    def signature(self, *, rtol: float = RTOL) -> tuple[int, int]:
+        """How many positive and how many negative squares the form has, by Sylvester's law of inertia."""
+        eigenvalues = np.linalg.eigvalsh(as_float(self.matrix))
+        cut = rtol * np.abs(eigenvalues).max(initial=0)
+        return int((eigenvalues > cut).sum()), int((eigenvalues < -cut).sum())
+
+    def restrict(self, subspace: Subspace) -> Quadric:
+        """The intersection with a subspace, in the coordinates of its basis."""
+        basis = subspace.basis
+        return Quadric(_symmetric(basis @ self.matrix @ basis.T))
+
+    def rulings_through(self, x) -> tuple[Subspace, Subspace]:
+        """The two lines on a quadric surface of P³ that pass through its point x.
+
+        Raises
+        ------
+        ValueError
+            If x is not on the surface, the surface is singular at x, or the two lines are complex.
+
+        Examples
+        --------
+        >>> saddle = Quadric([[0, 0, 0, 1], [0, 0, -1, 0], [0, -1, 0, 0], [1, 0, 0, 0]])   # x₀x₃ = x₁x₂
+        >>> first, second = saddle.rulings_through([1, 0, 0, 0])
+        >>> [0, 1, 0, 0] in first, [0, 0, 1, 0] in second
+        (True, True)
+        """
+        x = coordinates_of(x)
+        if len(self.matrix) != 4 or not self.contains(x):
+            raise ValueError("expected a point on a quadric surface of three-dimensional space")
+        tangent = null_space(self.tangent_hyperplane(x)[None])
+        if len(tangent) == 4:
+            raise ValueError("the surface is singular at this point")
+        directions = [y for y in tangent if not same_point(x, y)]
+        pair = directions[:2] if _independent(x, directions[0], directions[1]) else directions[1:]
+        roots = binary_roots(*(self.form(pair[a], pair[b]) for a, b in ((0, 0), (0, 1), (1, 1))))
+        return tuple(Subspace(np.array([x, s * pair[0] + t * pair[1]])) for s, t in roots)
+
+
+def _independent(*rows) -> bool:
+    return len(null_space(np.array(rows))) == len(rows[0]) - len(rows)
+
+
+def _symmetric(matrix: np.ndarray) -> np.ndarray:
+    """A Gram matrix without the rounding that makes it unsymmetric."""
+    return matrix if matrix.dtype.kind != "f" else (matrix + matrix.T) / 2
+
+
+def binary_roots(a, b, c):
+    """The two points (s, t) of the projective line with as² + 2bst + ct² = 0.
+
+    Raises
+    ------
+    ValueError
+        If they are not real, or every point is one.
+
+    Examples
+    --------
+    >>> binary_roots(1, 0, -4)
+    ((Fraction(2, 1), 1), (Fraction(-2, 1), 1))
+    """
+    scale = size([a, b, c])
+    if scale == 0:
+        raise ValueError("every point is a root of the form 0")
+    discriminant = b * b - a * c
+    if discriminant < 0:
+        raise ValueError("the two roots are complex")
+    root = square_root(discriminant)
+    q = -b - root if b > 0 else -b + root
+    if is_zero(q, scale):  # then b and the root vanish: a double root
+        return ((1, 0), (1, 0)) if is_zero(a, scale) else ((0, 1), (0, 1))
+    return (_plain(q, a), _plain(c, q))
+
+
+def _plain(s, t) -> tuple:
+    """Homogeneous coordinates (s, t), with t = 1 where it can be."""
+    return (s, t) if is_zero(t, size([s, t])) else (divide(s, t), 1)

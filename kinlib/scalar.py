@@ -1,0 +1,234 @@
+"""Scalars of every kind: how they are stored, divided and compared with zero.
+
+Coefficients are NumPy arrays.  Floats and complex numbers keep their dtype; whole numbers are ``int64`` as
+long as no sum of eight products can overflow, and Python integers beyond; ``Fraction``, SymPy expressions
+and elements of number fields live in object arrays.
+"""
+
+import math
+from fractions import Fraction
+
+import numpy as np
+
+__all__ = ["RTOL", "as_float", "as_scalars", "divide", "imaginary_unit", "is_exact", "is_zero", "size"]
+
+RTOL = 1e-9
+"""What counts as zero in floats, relative to the size of the problem."""
+
+_LARGEST_INT64 = 2**28  # eight products of such numbers stay below 2**63
+
+
+def as_scalars(values) -> np.ndarray:
+    """Store numbers as an array without losing exactness.
+
+    Parameters
+    ----------
+    values : array_like
+        Numbers of any kind; whole numbers stay whole, fractions stay fractions.
+
+    Returns
+    -------
+    numpy.ndarray
+        A new array of the same shape, of dtype float, complex, int64 or object.
+
+    Raises
+    ------
+    TypeError
+        If there is something that is not a number.
+
+    Examples
+    --------
+    >>> [as_scalars(row).dtype.kind for row in ([1, 2], [Fraction(1, 2), 2], [2**80, 1], [0.5, 1])]
+    ['i', 'O', 'O', 'f']
+    """
+    array = np.array(values)
+    if array.dtype.kind == "f" and not isinstance(values, np.ndarray):
+        array = _rescue_large_integers(values, array)
+    if array.dtype.kind in "biu":
+        return narrow(array)
+    if array.dtype.kind == "O":
+        return _plain_objects(array)
+    if array.dtype.kind not in "fc":
+        raise TypeError(f"expected numbers, got an array of {array.dtype}")
+    return array
+
+
+def _rescue_large_integers(values, array: np.ndarray) -> np.ndarray:
+    """NumPy turns a list like [2**63, -1] into floats; keep its integers instead."""
+    objects = np.array(values, dtype=object)
+    whole = all(isinstance(x, (int, np.integer)) for x in objects.ravel())
+    return objects if whole and objects.size else array
+
+
+def _plain_objects(array: np.ndarray) -> np.ndarray:
+    """Python's numbers in place of NumPy's inside an object array; anything but numbers is refused."""
+    for index, x in np.ndenumerate(array):
+        if isinstance(x, np.generic):
+            array[index] = x.item()
+        elif x is None or isinstance(x, (str, bytes, list, tuple, dict, set)):
+            raise TypeError(f"expected numbers, got {x!r}")
+    return array if is_exact(array) else _float_or_same(array)
+
+
+def _float_or_same(array: np.ndarray) -> np.ndarray:
+    """Floats in place of numbers, unless there are symbols among them."""
+    try:
+        return as_float(array)
+    except TypeError:
+        return array
+
+
+def promote(a: np.ndarray, b: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Arrays that may be combined: beside floats, exact numbers become floats and symbols stay."""
+    kinds = a.dtype.kind, b.dtype.kind
+    if "O" in kinds and kinds[0] != kinds[1] and "i" not in kinds:
+        return tuple(_float_or_same(x) if x.dtype.kind == "O" else x for x in (a, b))
+    return a, b
+
+
+def narrow(array: np.ndarray) -> np.ndarray:
+    """Store whole numbers as ``int64`` where eight products are safe, as Python integers elsewhere."""
+    if array.size and max(-int(array.min()), int(array.max())) >= _LARGEST_INT64:
+        return array.astype(object)
+    return array.astype(np.int64, copy=False)
+
+
+def is_exact(array: np.ndarray) -> bool:
+    """Whether no entry is a floating-point number, real or complex.
+
+    Examples
+    --------
+    >>> is_exact(np.array([1, 2])), is_exact(np.array([1.0]))
+    (True, False)
+    """
+    if array.dtype.kind == "O":
+        return not any(isinstance(x, (float, complex)) for x in array.ravel())
+    return array.dtype.kind not in "fc"
+
+
+def divide(numerator, denominator):
+    """The quotient, exact for exact numbers: whole numbers give fractions, never floats.
+
+    Examples
+    --------
+    >>> divide(1, 3)
+    Fraction(1, 3)
+    >>> divide(np.array([2.0]), 4).tolist()
+    [0.5]
+    """
+    numerator, denominator = promote(np.asarray(numerator), np.asarray(denominator))
+    kinds = {numerator.dtype.kind, denominator.dtype.kind}
+    if kinds & set("fc") and "O" not in kinds:
+        return numerator / denominator
+    return _quotient(*(np.asarray(x).astype(object) for x in (numerator, denominator)))
+
+
+def _exact_quotient(x, y):
+    return Fraction(x, y) if isinstance(x, int) and isinstance(y, int) else x / y
+
+
+_quotient = np.frompyfunc(_exact_quotient, 2, 1)
+
+
+def is_zero(values, scale=1.0, rtol: float = RTOL):
+    """Whether numbers vanish: exact ones exactly, floats up to ``rtol * scale``.
+
+    SymPy expressions are expanded, so a polynomial identity is recognised.
+
+    Parameters
+    ----------
+    values : array_like
+        Any scalars, any shape.
+    scale : array_like
+        The size that floats are compared with.
+    rtol : float
+        The relative tolerance for floats.
+
+    Returns
+    -------
+    bool or numpy.ndarray of bool
+        One answer an entry.
+
+    Examples
+    --------
+    >>> is_zero(1e-12), is_zero(Fraction(1, 10**12))
+    (True, False)
+    """
+    array = np.asarray(values)
+    if array.dtype.kind == "O":
+        answers = _object_is_zero(array, scale, rtol)
+        return bool(answers) if array.ndim == 0 else np.asarray(answers).astype(bool)
+    answers = array == 0 if array.dtype.kind in "iu" else np.abs(array) <= rtol * np.asarray(scale)
+    return bool(answers) if np.ndim(answers) == 0 else answers
+
+
+def _object_zero(x, scale, rtol) -> bool:
+    if isinstance(x, (float, complex)):
+        return abs(x) <= rtol * scale
+    if not hasattr(x, "free_symbols"):
+        return x == 0
+    from sympy import cancel, expand
+
+    expanded = expand(x)
+    if expanded == 0:
+        return True
+    return cancel(expanded) == 0 if expanded.free_symbols else bool(expanded.equals(0))
+
+
+_object_is_zero = np.frompyfunc(_object_zero, 3, 1)
+
+
+def size(values, axis=None):
+    """The largest absolute value as a float, along an axis if one is given; 1.0 for symbols.
+
+    Examples
+    --------
+    >>> size([3, -4])
+    4.0
+    """
+    array = np.asarray(values)
+    if array.dtype.kind == "O":
+        if any(getattr(x, "free_symbols", None) for x in array.ravel()):
+            return 1.0 if axis is None else np.ones(np.delete(array.shape, axis))
+        array = np.vectorize(lambda x: abs(complex(x)), otypes=[float])(array)
+    largest = np.abs(array).max(axis=axis, initial=0)
+    return float(largest) if axis is None else largest.astype(float)
+
+
+def as_float(values) -> np.ndarray:
+    """The nearest floats (complex ones where a number is not real).
+
+    Examples
+    --------
+    >>> as_float([Fraction(1, 4), 2]).tolist()
+    [0.25, 2.0]
+    """
+    array = np.asarray(values)
+    if array.dtype.kind in "fc":
+        return array
+    try:
+        return array.astype(float)
+    except TypeError:
+        return array.astype(complex)
+
+
+def imaginary_unit(array: np.ndarray):
+    """√−1 in the company of the given numbers: ``1j`` beside floats, SymPy's ``I`` beside exact numbers.
+
+    Examples
+    --------
+    >>> imaginary_unit(np.array([1.0])), imaginary_unit(np.array([1]))
+    (1j, I)
+    """
+    if not is_exact(array):
+        return 1j
+    from sympy import I
+
+    return I
+
+
+def is_infinite(t) -> bool:
+    """Whether a single parameter value is the point at infinity (``math.inf`` or SymPy's ``oo``)."""
+    if isinstance(t, (float, np.floating)):
+        return math.isinf(t)
+    return bool(getattr(t, "is_infinite", False))

@@ -1,0 +1,99 @@
+"""The quadrics of kinematics: Study quadric, null cone, exceptional three-space, null lines."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from kinlib.dual_quaternion import DualQuaternion
+from kinlib.errors import DegenerateError
+from kinlib.projective import Subspace
+from kinlib.quadric import Quadric
+from kinlib.scalar import RTOL, is_zero, size
+
+__all__ = [
+    "EXCEPTIONAL_SPACE", "NULL_CONE", "STUDY_QUADRIC", "is_null_line", "null_form", "study_form", "study_projection",
+]  # fmt: skip
+
+_I, _O = np.eye(4, dtype=int), np.zeros((4, 4), dtype=int)
+
+STUDY_QUADRIC = Quadric(np.block([[_O, _I], [_I, _O]]))
+"""𝒮: the points [q] whose norm q q̄ is real; form b(x, y) = Σ (x_k y_{k+4} + x_{k+4} y_k)."""
+
+NULL_CONE = Quadric(np.block([[_I, _O], [_O, _O]]))
+"""𝒩: the points [q] whose norm has no real part; form ⟨x, y⟩ = Σ x_k y_k over the primal parts."""
+
+EXCEPTIONAL_SPACE = Subspace(np.hstack([_O, _I]))
+"""E: the points [εd], singular on the null cone and contained in the Study quadric."""
+
+
+def study_form(x: DualQuaternion, y: DualQuaternion):
+    """The Study form b(x, y), shape (...); batches broadcast.
+
+    Examples
+    --------
+    >>> int(study_form(i, j - eps * i))       # two skew lines, one apart and at right angles
+    -1
+    """
+    x, y = x.components, y.components
+    return sum(x[n] * y[(n + 4) % 8] for n in range(8))
+
+
+def null_form(x: DualQuaternion, y: DualQuaternion):
+    """The null form ⟨x, y⟩ of the primal parts, shape (...); batches broadcast."""
+    x, y = x.components, y.components
+    return sum(x[n] * y[n] for n in range(4))
+
+
+def is_null_line(x: DualQuaternion, y: DualQuaternion, *, rtol: float = RTOL) -> bool:
+    """Whether the line [x] ∨ [y] lies on the Study quadric and on the null cone.
+
+    By Lemma 1 this is so exactly when ``x x̄ = y ȳ = x ȳ + y x̄ = 0``.
+
+    Parameters
+    ----------
+    x, y : DualQuaternion
+        Two different points of P⁷, real or complex.
+    rtol : float
+        What counts as zero, relative to the size of x and y; exact scalars are compared exactly.
+
+    Examples
+    --------
+    >>> h1, h2 = i, j - eps * i                  # skew axes, one apart
+    >>> is_null_line(1j - h1, (1j - h1) * h2)    # t1 = √−1 in equation (2)
+    True
+    """
+    scale = max(size(x.coeffs), size(y.coeffs)) ** 2
+    conditions = (x.norm(), y.norm(), x * y.conjugate() + y * x.conjugate())
+    return all(np.all(is_zero(c.coeffs, scale, rtol)) for c in conditions)
+
+
+def study_projection(q: DualQuaternion) -> DualQuaternion:
+    """The point of the Study quadric on the line that joins [q] to the point [εp] of E, p its primal part.
+
+    With q q̄ = a + εb this is [q (2a − εb)]; it has the same orientation as q.
+
+    Parameters
+    ----------
+    q : DualQuaternion, shape (...)
+        Not in the exceptional space.
+
+    Raises
+    ------
+    DegenerateError
+        If q lies in the exceptional space: it has no orientation.
+
+    Examples
+    --------
+    >>> study_projection(1 + eps)
+    2
+    """
+    a, b = q.norm().components[[0, 4]]
+    if np.any(is_zero(a, rtol=0)):
+        raise DegenerateError("the point lies on the null cone: its primal part has no direction")
+    return q * (2 * a) - eps_times(q) * b
+
+
+def eps_times(q: DualQuaternion) -> DualQuaternion:
+    """The product εq, which moves the primal part to the dual part."""
+    p = q.components[:4]
+    return DualQuaternion.from_components(np.concatenate((np.zeros_like(p), p)))
