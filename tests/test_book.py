@@ -184,15 +184,13 @@ def test_mathematics_is_set(page, name):
 
 
 @pytest.mark.parametrize("name", PAGES)
-def test_a_phone_need_not_scroll_sideways(page, name):
-    driver = page("index.html")
+def test_a_phone_need_not_scroll_sideways(chromium, page, name):
     phone = {"width": 390, "height": 800, "deviceScaleFactor": 1, "mobile": True}
-    driver.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", phone)
+    chromium.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", phone)
     try:
-        page(name)
-        assert driver.execute_script("return document.documentElement.scrollWidth") <= 390
+        assert page(name).execute_script("return document.documentElement.scrollWidth") <= 390
     finally:
-        driver.execute_cdp_cmd("Emulation.clearDeviceMetricsOverride", {})
+        chromium.execute_cdp_cmd("Emulation.clearDeviceMetricsOverride", {})
 
 
 def test_search_finds_a_page(page):

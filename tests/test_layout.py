@@ -36,6 +36,7 @@ ORDER = [
     "skeleton",
     "draw",
     "parts",
+    "player",
     "scene",
     "gallery",
     "testing",
