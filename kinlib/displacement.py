@@ -80,7 +80,9 @@ def axis_of(h: DualQuaternion) -> DualQuaternion:
     >>> axis_of(3 + 2 * (j - eps * i))
     j - εi
     """
-    v = (h - h.conjugate()) / 2
+    components = h.components.copy()
+    components[[0, 4]] = 0
+    v = DualQuaternion.from_components(components)
     return unit(v - eps_times(v) * divide(study_form(v, v), 2 * null_form(v, v)))
 
 

@@ -190,7 +190,9 @@ class DualQuaternion:
     def __truediv__(self, other) -> DualQuaternion:
         if isinstance(other, DualQuaternion):
             return self * other.inverse()
-        return self.from_components(divide(*_aligned(self._components, as_scalars(other)[None])))
+        scalar = as_scalars(other)
+        components = self._components if scalar.ndim == 0 else _aligned(self._components, scalar[None])
+        return self.from_components(divide(*components) if scalar.ndim else divide(components, scalar[()]))
 
     def __rtruediv__(self, scalar) -> DualQuaternion:
         return self.inverse() * scalar

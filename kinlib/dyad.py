@@ -12,7 +12,7 @@ from kinlib.dual_quaternion import DualQuaternion, one
 from kinlib.errors import DegenerateError
 from kinlib.line import Line
 from kinlib.number_field import square_root
-from kinlib.projective import Subspace, coordinates_of, join, null_space, same_point
+from kinlib.projective import Subspace, coordinates_of, join, null_space
 from kinlib.quadric import Quadric, binary_roots
 from kinlib.scalar import RTOL, divide, imaginary_unit, is_exact, is_infinite, is_zero, size
 from kinlib.study import NULL_CONE, STUDY_QUADRIC, null_form, study_form
@@ -66,7 +66,7 @@ class Dyad:
         for name, h in (("h1", self.h1), ("h2", self.h2)):
             if np.any(~_is_half_turn(h)):
                 raise ValueError(f"{name} is no half-turn l + εm about a line: l ≠ 0 and l · m = 0 are needed")
-        if np.any(same_point(self.h1, self.h2)):
+        if np.any(_commute(self.h1, self.h2)):
             raise DegenerateError("h1 and h2 commute, so their axes agree: a 2R dyad needs two different axes")
 
     def __call__(self, t1, t2) -> DualQuaternion:
@@ -97,7 +97,7 @@ class Dyad:
 
         Poses R(t1, t2) have the coordinates t1 t2, −t2, −t1, 1, so they lie on the quadric x0 x3 = x1 x2.
         """
-        x = pose * self.home.inverse()
+        x = pose if self.home is one else pose * self.home.inverse()
         n1, n2, c = null_form(self.h1, self.h1), null_form(self.h2, self.h2), null_form(self.h1, self.h2)
         area = n1 * n2 - c * c
         along = [null_form(x, y) for y in (one, self.h1, self.h2, self.h1 * self.h2)]
@@ -142,6 +142,13 @@ def _is_half_turn(h: DualQuaternion):
     p, d = size(h.components[1:4], 0), size(h.components[5:], 0)
     on_quadric = is_zero(study_form(h, h), p * d + p * p, RTOL)
     return (np.all(real, axis=0) & on_quadric & (p > 0)) | np.isnan(p)
+
+
+def _commute(h1: DualQuaternion, h2: DualQuaternion):
+    """Whether two half-turns have one axis: then their product has no vector part."""
+    product = (h1 * h2).components
+    scale = size(h1.components, 0) * size(h2.components, 0)
+    return np.all(is_zero(product[[1, 2, 3, 5, 6, 7]], scale, 1e-12), axis=0)
 
 
 @dataclass(frozen=True, eq=False)
@@ -231,7 +238,22 @@ def recognise(basis, *, rtol: float = RTOL) -> Dyad:
     ...
     kinlib.errors.DegenerateError: the space lies in the Study quadric: the axes would be coplanar
     """
-    space = _three_space(basis, rtol)
+    points = DualQuaternion(coordinates_of(basis.points if isinstance(basis, TwoRSpace) else _rows(basis)))
+    length = 1 if is_exact(points.components) else size(points.coeffs[..., 4:]) / size(points.coeffs[..., :4]) or 1
+    dyad = _recognised(_three_space(_stretched(points, divide(1, length)), rtol), rtol)
+    return dyad if length == 1 else Dyad(_stretched(dyad.h1, length), _stretched(dyad.h2, length))
+
+
+def _rows(basis):
+    return basis.basis if isinstance(basis, Subspace) else basis
+
+
+def _stretched(q: DualQuaternion, factor) -> DualQuaternion:
+    """All lengths multiplied by a factor."""
+    return DualQuaternion.from_components(q.components * np.reshape([1] * 4 + [factor] * 4, (8,) + (1,) * len(q.shape)))
+
+
+def _recognised(space: Subspace, rtol: float) -> Dyad:
     null, study = NULL_CONE.restrict(space), STUDY_QUADRIC.restrict(space)
     if null.rank(rtol=rtol) < 4:
         raise DegenerateError("the space meets the exceptional three-space: one of the joints would be prismatic")
@@ -250,10 +272,8 @@ class _Span(NamedTuple):
         return self.space.contains(point)
 
 
-def _three_space(basis, rtol: float) -> Subspace:
-    if isinstance(basis, TwoRSpace):
-        basis = basis.points
-    space = basis if isinstance(basis, Subspace) else join(*coordinates_of(basis), rtol=rtol)
+def _three_space(points: DualQuaternion, rtol: float) -> Subspace:
+    space = join(points, rtol=rtol)
     if space.dimension != 3:
         raise DegenerateError(f"expected points that span a 3-space, got a span of dimension {space.dimension}")
     if not space.contains(one):

@@ -24,7 +24,7 @@ from kinlib.linkage import Linkage
 from kinlib.scalar import as_scalars, divide, is_zero, size
 from kinlib.study import null_form
 from kinlib.three_poses import FAULTS as POSE_FAULTS
-from kinlib.three_poses import TANGENT, dyads_through_poses, masked
+from kinlib.three_poses import TANGENT, masked, pairs_through, relative
 
 __all__ = ["goldberg_linkages"]
 
@@ -77,15 +77,16 @@ def goldberg_linkages(p0, p1, p2, z, *, degenerate: str = "raise") -> tuple[Link
     """
     poses = [as_pose(p) for p in (p0, p1, p2)]
     z1 = _plane_point(z)
-    dyads = dyads_through_poses(*poses, degenerate=degenerate)
+    dyads = [Dyad(h1, h2) for h1, h2 in pairs_through(poses, None, degenerate)]
+    seen = relative(*poses)
     faulty = report_faults(is_tangent(*poses) * TANGENT, POSE_FAULTS, degenerate)
     linkages = []
     with np.errstate(invalid="ignore", divide="ignore", over="ignore"):
         for number, dyad in enumerate(dyads, start=1):
-            s1, s2 = (dyad.parameters(masked(p, faulty)) for p in poses[1:])
+            s1, s2 = (dyad.parameters(masked(q, faulty)) for q in seen)
             for side, build in (("base", _base_turns_twice), ("moving", _moving_turns_twice)):
                 place = f"dyad {number}, {side} joint turning twice: "
-                linkages += build(dyad, s1, s2, z1, place, degenerate)
+                linkages += build(dyad, poses[0], s1, s2, z1, place, degenerate)
     return tuple(linkages)
 
 
@@ -121,19 +122,17 @@ def _plane_point(z) -> tuple:
     return z.real.astype(float), z.imag.astype(float)
 
 
-def _base_turns_twice(dyad: Dyad, s1, s2, z1, place: str, degenerate: str) -> list[Linkage]:
+def _base_turns_twice(dyad: Dyad, home: DualQuaternion, s1, s2, z1, place: str, degenerate: str) -> list[Linkage]:
     first, partners, faults = _cubic(dyad.h1, dyad.h2, s1, s2, z1)
     bad = report_faults(faults, [place + fault for fault in FAULTS], degenerate)
     parameters = (math.inf, s1[1], s2[1])
     return [
-        Linkage.from_chains(
-            _all_masked(first, bad), second, home=dyad.home, joints=(2, 1, 1, 1, 1), parameters=parameters
-        )
+        Linkage.from_chains(_all_masked(first, bad), second, home=home, joints=(2, 1, 1, 1, 1), parameters=parameters)
         for second in partners
     ]
 
 
-def _moving_turns_twice(dyad: Dyad, s1, s2, z1, place: str, degenerate: str) -> list[Linkage]:
+def _moving_turns_twice(dyad: Dyad, home: DualQuaternion, s1, s2, z1, place: str, degenerate: str) -> list[Linkage]:
     """The mirror case, through the conjugate motion C̄, whose dyad has the axes −h2 and −h1."""
     first, partners, faults = _cubic(-dyad.h2, -dyad.h1, s1[::-1], s2[::-1], z1)
     bad = report_faults(faults, [place + fault for fault in FAULTS], degenerate)
@@ -142,7 +141,7 @@ def _moving_turns_twice(dyad: Dyad, s1, s2, z1, place: str, degenerate: str) -> 
         Linkage.from_chains(
             _reversed(_all_masked(first, bad)),
             _reversed(second),
-            home=dyad.home,
+            home=home,
             joints=(1, 2, 1, 1, 1),
             parameters=parameters,
         )

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from itertools import combinations
+
 import numpy as np
 
 from kinlib.displacement import as_pose, unit
@@ -54,14 +56,9 @@ def conic(p0: DualQuaternion, p1: DualQuaternion, p2: DualQuaternion) -> MotionP
 
 def is_tangent(p0: DualQuaternion, p1: DualQuaternion, p2: DualQuaternion) -> np.ndarray:
     """Where the plane of three poses is tangent to the Study quadric: two of them are conjugate."""
-    pairs = ((p0, p1), (p0, p2), (p1, p2))
-    return np.any([is_zero(study_form(x, y), _pair_scale(x, y), rtol=1e-14) for x, y in pairs], axis=0)
-
-
-def _pair_scale(x: DualQuaternion, y: DualQuaternion):
-    """The size that b(x, y) may have."""
-    x, y = x.coeffs, y.coeffs
-    return size(x[..., :4], -1) * size(y[..., 4:], -1) + size(x[..., 4:], -1) * size(y[..., :4], -1)
+    sizes = [(size(p.components[:4], 0), size(p.components[4:], 0)) for p in (p0, p1, p2)]
+    pairs = zip(combinations((p0, p1, p2), 2), combinations(sizes, 2), strict=True)
+    return np.any([is_zero(study_form(x, y), a * d + b * c, 1e-14) for (x, y), ((a, b), (c, d)) in pairs], axis=0)
 
 
 def cubics_through(p0, p1, p2, p3, free=0) -> tuple[MotionPolynomial, ...]:

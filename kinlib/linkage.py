@@ -139,8 +139,9 @@ class Linkage:
     def link_displacements(self, t) -> DualQuaternion:
         """The displacements of all links from t = ∞ to t; shape (..., n), t broadcasts against the batch."""
         turns = [_turn(self.joint_factors(n), t) for n in range(len(self) - 1)]
-        links = accumulate(turns, lambda link, turn: unit(link * turn), initial=one)
-        return DualQuaternion.stack(list(links), axis=-1)
+        links = [*accumulate(turns, lambda link, turn: unit(link * turn), initial=one)]
+        shape = np.broadcast_shapes(*[link.shape for link in links])
+        return DualQuaternion.stack([_broadcast(link, shape) for link in links], axis=-1)
 
     def configuration(self, t) -> DualQuaternion:
         """The half-turns about all axes at t; shape (..., n)."""
@@ -194,7 +195,8 @@ class Linkage:
         """The degree of freedom at t: the number of joints less the rank of the axes' Plücker coordinates."""
         lines = self.configuration(t).coeffs[..., [1, 2, 3, 5, 6, 7]]
         if is_exact(lines):
-            return len(null_space(lines.T))
+            free = [len(null_space(rows.T)) for rows in lines.reshape(-1, len(self), 6)]
+            return _plain(np.reshape(free, lines.shape[:-2]))
         singular = np.linalg.svd(_centred(as_float(lines)), compute_uv=False)
         rank = (singular > RTOL * singular[..., :1]).sum(axis=-1)
         return _plain(len(self) - rank)

@@ -42,7 +42,7 @@ def as_scalars(values) -> np.ndarray:
     ['i', 'O', 'O', 'f']
     """
     array = np.array(values)
-    if array.dtype.kind == "f" and not isinstance(values, np.ndarray):
+    if array.dtype.kind == "f" and isinstance(values, (list, tuple)):
         array = _rescue_large_integers(values, array)
     if array.dtype.kind in "biu":
         return narrow(array)
@@ -116,6 +116,8 @@ def divide(numerator, denominator):
     >>> divide(np.array([2.0]), 4).tolist()
     [0.5]
     """
+    if isinstance(numerator, np.floating) and isinstance(denominator, np.floating):
+        return numerator / denominator
     numerator, denominator = promote(np.asarray(numerator), np.asarray(denominator))
     kinds = {numerator.dtype.kind, denominator.dtype.kind}
     if kinds & set("fc") and "O" not in kinds:
@@ -154,6 +156,8 @@ def is_zero(values, scale=1.0, rtol: float = RTOL):
     >>> is_zero(1e-12), is_zero(Fraction(1, 10**12))
     (True, False)
     """
+    if isinstance(values, float) and isinstance(scale, float):
+        return bool(abs(values) <= rtol * scale)
     array = np.asarray(values)
     if array.dtype.kind == "O":
         answers = _object_is_zero(array, scale, rtol)
@@ -192,7 +196,7 @@ def size(values, axis=None):
             return 1.0 if axis is None else np.ones(np.delete(array.shape, axis))
         array = np.vectorize(lambda x: abs(complex(x)), otypes=[float])(array)
     largest = np.abs(array).max(axis=axis, initial=0)
-    return float(largest) if axis is None else largest.astype(float)
+    return float(largest) if axis is None else largest * 1.0
 
 
 def as_float(values) -> np.ndarray:

@@ -48,7 +48,7 @@ def dyads_through_poses(p0, p1, p2, *, method: str | None = None, degenerate: st
         from the two factorizations of the conic through the poses; exact for exact poses, and the default
         for them.  ``"null_quadrilateral"``: the construction of the paper's proof, in complex floats.
     degenerate : {"raise", "nan"}
-        What to do about rows of a batch for which the answer is not determined.
+        What to do about rows of a batch for which the answer is not determined; ``"nan"`` needs floats.
 
     Returns
     -------
@@ -70,14 +70,18 @@ def dyads_through_poses(p0, p1, p2, *, method: str | None = None, degenerate: st
     i | j - εi | True
     """
     poses = [as_pose(p) for p in (p0, p1, p2)]
+    return tuple(Dyad(h1, h2, poses[0]) for h1, h2 in pairs_through(poses, method, degenerate))
+
+
+def pairs_through(poses: list[DualQuaternion], method: str | None, degenerate: str) -> list[Pair]:
+    """The half-turns of the dyads through three poses, as seen from the first."""
     exact = all(is_exact(p.components) for p in poses)
     method = method or ("factorization" if exact else "eigenvalues")
     if method not in ROUTES:
         raise ValueError(f"expected a method among {', '.join(ROUTES)}, got {method!r}")
     if exact and method == "factorization":
-        pairs = _exact_pairs(*_relative(*poses))
-        return tuple(Dyad(h1, h2, poses[0]) for h1, h2 in pairs)
-    return _float_dyads([p.astype(float) for p in poses], method, degenerate)
+        return _exact_pairs(poses, degenerate)
+    return _float_pairs([p.astype(float) for p in poses], method, degenerate)
 
 
 def study_eigenvalues(p0, p1, p2) -> np.ndarray:
@@ -92,34 +96,39 @@ def study_eigenvalues(p0, p1, p2) -> np.ndarray:
     [-1.0, -0.8, 1.0]
     """
     poses = [as_pose(p).astype(float) for p in (p0, p1, p2)]
-    return _spectrum(*_relative(*poses)).values
+    return _spectrum(*relative(*poses)).values
 
 
-def _relative(p0: DualQuaternion, p1: DualQuaternion, p2: DualQuaternion) -> Pair:
+def relative(p0: DualQuaternion, p1: DualQuaternion, p2: DualQuaternion) -> Pair:
     """The second and third pose as seen from the first."""
     back = p0.inverse()
     return unit(p1 * back), unit(p2 * back)
 
 
-def _exact_pairs(q1: DualQuaternion, q2: DualQuaternion) -> list[Pair]:
+def _exact_pairs(poses: list[DualQuaternion], degenerate: str) -> list[Pair]:
     """The half-turns of both dyads, from the two factorizations of the conic; exact."""
-    _check_exact(q1, q2)
+    if degenerate == "nan":
+        raise ValueError("degenerate='nan' needs floats, since NaN is one: convert the poses, or use 'raise'")
+    q1, q2 = relative(*poses)
+    faults = _exact_faults(q1, q2)
+    if faults.ndim == 0 and faults == MEETS_E:
+        raise DegenerateError(_exceptional(q1, q2))
+    report_faults(faults, FAULTS, degenerate)
     C = conic(one, q1, q2)
     quadratics = quadratic_factors(C.norm_polynomial())
     pairs = _factored(C, quadratics)
-    equal = (quadratics[..., 0, :] == quadratics[..., 1, :]).all(axis=-1)
-    dyad = None if q1.shape or not equal else Dyad(*pairs[0])
-    report_faults(equal * DOUBLE, FAULTS, "raise", dyad=dyad)
+    equal = np.asarray((quadratics[..., 0, :] == quadratics[..., 1, :]).all(axis=-1))
+    dyad = Dyad(*pairs[0], poses[0]) if equal.ndim == 0 and equal else None
+    report_faults(equal * DOUBLE, FAULTS, degenerate, dyad=dyad)
     return pairs
 
 
-def _check_exact(q1: DualQuaternion, q2: DualQuaternion) -> None:
+def _exact_faults(q1: DualQuaternion, q2: DualQuaternion) -> np.ndarray:
     u1, u2 = (q.coeffs[..., 1:4] for q in (q1, q2))
-    if np.any(np.all(is_zero(np.cross(u1, u2)), axis=-1)):
-        raise DegenerateError(_exceptional(q1, q2))
+    parallel = np.all(is_zero(np.cross(u1, u2)), axis=-1)
     zeros = [is_zero(b) for b in (study_form(one, q1), study_form(one, q2), study_form(q1, q2))]
-    if np.any(zeros):
-        raise DegenerateError(FAULTS[(INSIDE if np.all(zeros) else TANGENT) - 1])
+    inside, tangent = np.all(zeros, axis=0), np.any(zeros, axis=0)
+    return np.select([parallel, inside, tangent], [MEETS_E, INSIDE, TANGENT], 0)
 
 
 def _exceptional(q1: DualQuaternion, q2: DualQuaternion) -> str:
@@ -140,6 +149,7 @@ class _Spectrum(NamedTuple):
     """The plane of three poses: a basis orthonormal for the null form and diagonal for the Study form."""
 
     basis: tuple[DualQuaternion, DualQuaternion, DualQuaternion]
+    normal: DualQuaternion  # the primal quaternion orthonormal to the plane
     values: np.ndarray  # (..., 3), ascending
     length: np.ndarray  # the largest dual part, (...)
     apart: np.ndarray  # how far the plane is from the exceptional space, at most 1, (...)
@@ -150,12 +160,14 @@ def _spectrum(q1: DualQuaternion, q2: DualQuaternion) -> _Spectrum:
     rest, second = _normalised(q2 - q2.scalar_part)
     e2, third = _normalised(rest - e1 * null_form(e1, rest))
     e2, _ = _normalised(e2 - e1 * null_form(e1, e2))
-    plane = (one, e1, e2)
-    gram = np.stack([np.stack(np.broadcast_arrays(*[study_form(x, y) for y in plane]), -1) for x in plane], -2)
+    plane = np.stack(np.broadcast_arrays(*(e.coeffs for e in (one, e1, e2))), axis=-2)
+    mixed = plane[..., :4] @ np.swapaxes(plane[..., 4:], -1, -2)
+    gram = mixed + np.swapaxes(mixed, -1, -2)
     values, vectors = np.linalg.eigh(np.where(np.isfinite(gram), gram, 0))
-    basis = tuple(sum((e * vectors[..., m, n] for m, e in enumerate(plane)), one * 0) for n in range(3))
+    rows = DualQuaternion(np.swapaxes(vectors, -1, -2) @ plane)
+    basis = tuple(rows[..., n] for n in range(3))
     length = np.maximum(size(q1.coeffs[..., 4:], -1), size(q2.coeffs[..., 4:], -1))
-    return _Spectrum(basis, values, length, np.minimum(np.minimum(first, second), third))
+    return _Spectrum(basis, (e1 * e2).primal, values, length, np.minimum(np.minimum(first, second), third))
 
 
 def _normalised(x: DualQuaternion) -> tuple[DualQuaternion, np.ndarray]:
@@ -174,8 +186,8 @@ def _faults(plane: _Spectrum) -> np.ndarray:
     return np.select([~(plane.apart > 1e-12), spread <= 8 * noise, double], [MEETS_E, INSIDE, DOUBLE], 0)
 
 
-def _float_dyads(poses: list[DualQuaternion], method: str, degenerate: str) -> tuple[Dyad, Dyad]:
-    q1, q2 = _relative(*poses)
+def _float_pairs(poses: list[DualQuaternion], method: str, degenerate: str) -> list[Pair]:
+    q1, q2 = relative(*poses)
     with np.errstate(invalid="ignore"):
         plane = _spectrum(q1, q2)
     faults = _faults(plane)
@@ -186,7 +198,7 @@ def _float_dyads(poses: list[DualQuaternion], method: str, degenerate: str) -> t
     faulty = report_faults(faults, FAULTS, degenerate)
     safe = [_replaced(q, faulty, stand_in) for q, stand_in in zip((q1, q2), STAND_INS, strict=True)]
     pairs = _by_eigenvalues(plane) if method == "eigenvalues" else ROUTES[method](*safe)
-    return tuple(Dyad(masked(h1, faulty), masked(h2, faulty), poses[0]) for h1, h2 in pairs)
+    return [(masked(h1, faulty), masked(h2, faulty)) for h1, h2 in pairs]
 
 
 def _explained(fault: int, q1: DualQuaternion, q2: DualQuaternion, plane: _Spectrum, home) -> DegenerateError:
@@ -231,26 +243,18 @@ def _by_eigenvalues(plane: _Spectrum) -> list[Pair]:
     f1, f2, f3 = plane.basis
     pairs = []
     for sign in (1, -1):
-        x = _fourth_point(plane.basis, sign * np.sqrt(low * high), mu1 + mu3 - mu2)
+        x = _fourth_point(plane, sign * np.sqrt(low * high), mu1 + mu3 - mu2)
         negative, positive = f2 * cosine - x * (sign * sine), f2 * (sign * sine) + x * cosine
         pairs.append(_axes((f1, negative), (f3, positive)))
     return pairs
 
 
-def _fourth_point(basis, entry, last) -> DualQuaternion:
-    """The point x orthonormal to the basis with b(x, f1) = b(x, f3) = 0, b(x, f2) = entry, b(x, x) = last."""
-    x = _orthogonal(*basis)
-    wanted = (0, entry, 0)
-    dual = x * (last / 2)
-    for f, value in zip(basis, wanted, strict=True):
-        dual = dual + f * (value - study_form(x, f))
-    return x + eps_times(dual)
-
-
-def _orthogonal(x: DualQuaternion, y: DualQuaternion, z: DualQuaternion) -> DualQuaternion:
-    """The unit quaternion orthogonal to three orthonormal primal parts: ½ (x ȳ z − z ȳ x)."""
-    x, y, z = x.primal, y.primal, z.primal
-    return (x * y.conjugate() * z - z * y.conjugate() * x) * 0.5
+def _fourth_point(plane: _Spectrum, entry, last) -> DualQuaternion:
+    """The point x orthonormal to the plane with b(x, f1) = b(x, f3) = 0, b(x, f2) = entry, b(x, x) = last."""
+    dual = plane.normal * (last / 2)
+    for f, value in zip(plane.basis, (0, entry, 0), strict=True):
+        dual = dual + f * (value - study_form(plane.normal, f))
+    return plane.normal + eps_times(dual)
 
 
 def _axes(minus: Pair, plus: Pair) -> Pair:
