@@ -14,7 +14,7 @@ export PATH := $(abspath $(BIN)):$(PATH)
 
 help:
 	@echo "make book       build the book and say which file to open"
-	@echo "make test       build the book, then check style, code, notebooks and pages"
+	@echo "make test       check style, build the book, then check code, notebooks and pages"
 	@echo "make bench      measure speed and print the table"
 	@echo "make notebooks  run and save every notebook (NOTEBOOK=path for one)"
 	@echo "make clean      remove what was built"
