@@ -209,6 +209,10 @@ class DualQuaternion:
         equal = np.asarray(is_zero(difference._components, rtol=0)).all(axis=0)
         return bool(equal) if difference.shape == () else equal
 
+    def __ne__(self, other):
+        equal = self == other
+        return ~equal if isinstance(equal, np.ndarray) else not equal
+
     def __len__(self) -> int:
         if not self.shape:
             raise TypeError("a single dual quaternion has no length; its coefficients are in .coeffs")

@@ -176,6 +176,10 @@ class MotionPolynomial:
         equal = reduce(np.logical_and, [c == 0 for c in (self - other).coefficients])
         return bool(equal) if np.ndim(equal) == 0 else equal
 
+    def __ne__(self, other):
+        equal = self == other
+        return ~equal if isinstance(equal, np.ndarray) else not equal
+
     def __getitem__(self, index) -> MotionPolynomial:
         """Entries of the batch."""
         return MotionPolynomial(self.coeffs[index])
@@ -183,7 +187,7 @@ class MotionPolynomial:
     def __repr__(self) -> str:
         if self.shape:
             return f"MotionPolynomial of degree {self.degree}, shape {self.shape}"
-        terms = [_term(c, self.degree - n) for n, c in enumerate(self.coefficients) if not c == 0]
+        terms = [_term(c, self.degree - n) for n, c in enumerate(self.coefficients) if c != 0]
         return " + ".join(terms).replace("+ -", "- ") or "0"
 
     def trajectory(self, point) -> RationalCurve:
@@ -262,7 +266,7 @@ def _convolve(form, items) -> np.ndarray:
     return np.stack(np.broadcast_arrays(*sums), axis=-1)
 
 
-def evaluate(coefficients, t):
+def evaluate(coefficients, t) -> DualQuaternion:
     """Horner's rule for coefficients of any kind; at infinity the leading one.  t broadcasts with the batch."""
     infinite = np.isinf(t) if np.asarray(t).dtype.kind in "fc" else is_infinite(t)
     if np.ndim(t) == 0 and infinite:

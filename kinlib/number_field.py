@@ -10,6 +10,7 @@ import math
 from fractions import Fraction
 from functools import cached_property, total_ordering
 from numbers import Rational
+from typing import Any
 
 import numpy as np
 
@@ -201,7 +202,7 @@ def _term(coefficient: Fraction, power: int) -> str:
     return factor + name
 
 
-def square_root(x):
+def square_root(x) -> Any:
     """The non-negative root of a non-negative number, exact for exact numbers.
 
     Parameters

@@ -111,7 +111,7 @@ def _symmetric(matrix: np.ndarray) -> np.ndarray:
     return matrix if matrix.dtype.kind != "f" else (matrix + matrix.T) / 2
 
 
-def binary_roots(a, b, c):
+def binary_roots(a, b, c) -> tuple[tuple, tuple]:
     """The two points (s, t) of the projective line with as² + 2bst + ct² = 0.
 
     Raises

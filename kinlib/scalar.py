@@ -7,6 +7,7 @@ and elements of number fields live in object arrays.
 
 import math
 from fractions import Fraction
+from typing import Any
 
 import numpy as np
 
@@ -106,7 +107,7 @@ def is_exact(array: np.ndarray) -> bool:
     return array.dtype.kind not in "fc"
 
 
-def divide(numerator, denominator):
+def divide(numerator, denominator) -> Any:
     """The quotient, exact for exact numbers: whole numbers give fractions, never floats.
 
     Examples
@@ -182,7 +183,7 @@ def _object_zero(x, scale, rtol) -> bool:
 _object_is_zero = np.frompyfunc(_object_zero, 3, 1)
 
 
-def size(values, axis=None):
+def size(values, axis=None) -> float | np.ndarray:
     """The largest absolute value as a float, along an axis if one is given; 1.0 for symbols.
 
     Examples
