@@ -1,0 +1,316 @@
+"""Moving scenes on a page: bodies carried by displacements, recorded without a server and played offline.
+
+A `Scene` is made of parts, some of them carried by bodies that move.  Shown in a notebook it embeds a small
+player; ``scene.save("x.html")`` writes one file that plays by itself.
+"""
+
+from __future__ import annotations
+
+import html
+import importlib.util
+import json
+import os
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+
+import numpy as np
+
+from kinlib.displacement import act, translation
+from kinlib.dual_quaternion import DualQuaternion
+from kinlib.parts import DIGITS, View, record, tidy
+from kinlib.scalar import as_float
+
+__all__ = ["Scene", "SceneGrid", "static_files"]
+
+# ---- motions -----------------------------------------------------------------------------------------
+
+
+def _track(motion: DualQuaternion, view: View, digits: int) -> list[int]:
+    """A motion as dual quaternions of length 10^digits in the units of the recording; their signs do not jump."""
+    moved = translation(-view.centre) * motion * translation(view.centre)
+    coefficients = as_float(moved.coeffs)
+    coefficients = coefficients / np.linalg.norm(coefficients[:, :4], axis=1, keepdims=True)
+    coefficients[:, 4:] /= view.radius
+    agree = (coefficients[1:, :4] * coefficients[:-1, :4]).sum(axis=1)
+    signs = np.cumprod(np.concatenate([[_sign(coefficients[0])], np.where(agree < 0, -1, 1)]))
+    return np.round(coefficients * signs[:, None] * 10**digits).astype(int).ravel().tolist()
+
+
+def _sign(coefficients: np.ndarray) -> float:
+    """The sign of the first coefficient that is not zero."""
+    return np.sign(coefficients[np.abs(coefficients) > 1e-9][0])
+
+
+# ---- scenes ------------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True, kw_only=True)
+class Playable:
+    """What can be shown on a page and saved to a file."""
+
+    alt: str
+    slider: str = "Time"
+    seconds: float = 9.0
+    height: str = "28rem"
+    captions: Sequence[str] = ()
+    legend: Sequence[tuple[str, str]] = ()
+    view: tuple[float, float] | None = None
+
+    def __post_init__(self):
+        if not self.alt.strip():
+            raise ValueError("expected alt, a sentence that says what is to be seen")
+        if len(self.captions) not in (0, self.frames):
+            raise ValueError(f"expected {self.frames} captions, one a frame, got {len(self.captions)}")
+
+    @property
+    def frames(self) -> int:
+        """The number of frames; 1 if nothing moves."""
+        raise NotImplementedError
+
+    def cells(self) -> list[dict]:
+        """The views that the page shows next to each other."""
+        raise NotImplementedError
+
+    def recording(self) -> dict:
+        """All that the player needs, ready to be written as JSON."""
+        cells = self.cells()
+        view = self.view or _viewpoint([cell["hull"] for cell in cells])
+        return tidy({
+            "alt": self.alt, "slider": self.slider, "seconds": self.seconds, "frames": self.frames,
+            "captions": self.captions, "legend": self.legend, "view": view, "cells": cells,
+        })  # fmt: skip
+
+    def save(self, path: str | os.PathLike) -> Path:
+        """Write one HTML file that plays by itself, without a network.
+
+        Returns
+        -------
+        pathlib.Path
+            Where it was written.
+        """
+        path = Path(path)
+        path.write_text(_page(self.recording(), shared=False), encoding="utf-8")
+        return path
+
+    def _repr_html_(self) -> str:
+        page = _page(self.recording(), shared=_shares_the_viewer())
+        return (
+            f'<iframe class="kinlib-scene" title="{html.escape(self.alt)}" '
+            f'style="width:100%;height:{self.height};border:0;display:block" '
+            f"srcdoc='{page.replace('&', '&amp;').replace(chr(39), '&#39;')}'></iframe>"
+        )
+
+
+@dataclass(frozen=True)
+class Scene(Playable):
+    """Parts in space, some of them carried by bodies that move.
+
+    Parameters
+    ----------
+    parts : sequence of Rod, Ball, Curve, Surface, Frame, Label
+    motions : mapping of str to DualQuaternion, shape (frames,)
+        The displacement of every body from where its parts are given, at every frame; after the last comes the
+        first again.
+    alt : str
+        A sentence that says what is to be seen, for those who cannot see it.
+    captions : sequence of str, optional
+        What is written next to the slider, one entry a frame.
+    legend : sequence of (str, str), optional
+        Pairs of a name and a colour.
+    slider : str
+        What the slider stands for.
+    seconds : float
+        How long one turn takes.
+    view : (float, float), optional
+        Azimuth and elevation of the direction towards the viewer, in degrees; chosen to show most if not given.
+    height : str
+        Of the scene on a page, in units of CSS.
+
+    Examples
+    --------
+    >>> angles = np.arange(0, np.pi, np.pi / 12)
+    >>> turns = DualQuaternion([[np.cos(x), 0, 0, np.sin(x), 0, 0, 0, 0] for x in angles])
+    >>> hand = Rod([0, 0, 0], [1, 0, 0], body="hand")
+    >>> scene = Scene([hand], {"hand": turns}, alt="A rod turns about one of its ends.")
+    >>> scene.frames
+    12
+    """
+
+    parts: Sequence = ()
+    motions: Mapping[str, DualQuaternion] = field(default_factory=dict)
+
+    def __post_init__(self):
+        object.__setattr__(self, "parts", tuple(self.parts))
+        lengths = {motion.shape for motion in self.motions.values()}
+        if len(lengths) > 1 or any(len(shape) != 1 for shape in lengths):
+            raise ValueError(f"expected motions of one shape (frames,), got {sorted(lengths)}")
+        unknown = {part.body for part in self.parts if part.body} - set(self.motions)
+        if unknown:
+            raise ValueError(f"no motion is given for {', '.join(sorted(unknown))}")
+        super().__post_init__()
+
+    @property
+    def frames(self) -> int:
+        """The number of frames; 1 if nothing moves."""
+        return next((motion.shape[0] for motion in self.motions.values()), 1)
+
+    def with_parts(self, *parts) -> Scene:
+        """The same scene with more parts in it."""
+        return replace(self, parts=(*self.parts, *parts))
+
+    def cells(self) -> list[dict]:
+        return [self.cell()]
+
+    def cell(self, name: str = "", digits: int = DIGITS) -> dict:
+        """One view: what is in it, how it moves, where its letters stand and when its frames light up."""
+        view, hull = self._bounds()
+        numbered = list(enumerate(self.parts))
+        labels = [
+            (text, part.body, view.place(part.points()[0]), getattr(part, "lights_at", None))
+            for _, part in numbered
+            if (text := getattr(part, "text", "") or getattr(part, "name", ""))
+        ]
+        lights = [
+            (f"{part.body or 'fixed'}/{number}", part.lights_at, part.name)
+            for number, part in numbered
+            if getattr(part, "lights_at", None) is not None
+        ]
+        return {
+            "name": name, "unit": view.radius, "centre": view.centre, "hull": hull,
+            "labels": labels, "lights": lights,
+            "tracks": {body: _track(motion, view, digits) for body, motion in self.motions.items()},
+            **record(self.parts, view),
+        }  # fmt: skip
+
+    def _bounds(self) -> tuple[View, np.ndarray]:
+        """The view of the whole motion, and its outermost points in the units of the recording."""
+        points = np.concatenate([self._swept(part) for part in self.parts] or [np.zeros((1, 3))])
+        centre = (points.min(axis=0) + points.max(axis=0)) / 2
+        radius = float(np.linalg.norm(points - centre, axis=1).max()) or 1.0
+        view = View(centre, radius)
+        return view, _outermost(view.place(points))
+
+    def _swept(self, part) -> np.ndarray:
+        """The points of a part in all its positions, shape (k, 3)."""
+        points = part.points()
+        if not part.body:
+            return points
+        return as_float(act(self.motions[part.body][:, None], points)).reshape(-1, 3)
+
+
+@dataclass(frozen=True)
+class SceneGrid(Playable):
+    """Scenes next to each other, which move together and are turned together.
+
+    Parameters
+    ----------
+    scenes : sequence of Scene
+        All of the same number of frames.
+    names : sequence of str
+        What is written in the corner of each.
+    alt, captions, legend, slider, seconds, view, height
+        As in a `Scene`; those of the single scenes are not used.
+    """
+
+    scenes: Sequence[Scene]
+    names: Sequence[str]
+
+    def __post_init__(self):
+        if len(self.names) != len(self.scenes):
+            raise ValueError(f"expected {len(self.scenes)} names, one a scene, got {len(self.names)}")
+        frames = sorted({scene.frames for scene in self.scenes})
+        if len(frames) != 1:
+            raise ValueError(f"expected scenes of the same number of frames, got {frames}")
+        super().__post_init__()
+
+    @property
+    def frames(self) -> int:
+        return self.scenes[0].frames
+
+    def cells(self) -> list[dict]:
+        return [scene.cell(name, DIGITS - 1) for scene, name in zip(self.scenes, self.names, strict=True)]
+
+
+def _outermost(points: np.ndarray) -> np.ndarray:
+    """The points that lie farthest in 26 directions, without repetition."""
+    grid = np.stack(np.meshgrid([-1, 0, 1], [-1, 0, 1], [-1, 0, 1]), axis=-1).reshape(-1, 3)
+    farthest = np.argmax((points @ grid[np.any(grid != 0, axis=1)].T).round(6), axis=0)
+    return points[np.unique(farthest)]
+
+
+def _viewpoint(hulls: Sequence[np.ndarray]) -> tuple[int, int]:
+    """The direction from above, in degrees, from which the hulls look largest on the whole."""
+    directions = [(azimuth, elevation) for elevation in (22, 38) for azimuth in range(-180, 180, 15)]
+    return max(directions, key=lambda direction: sum(_apparent_size(hull, direction) for hull in hulls))
+
+
+def _apparent_size(hull: np.ndarray, direction: tuple[float, float]) -> float:
+    """The logarithm of the area that points cover when they are seen from a direction, up to a constant."""
+    azimuth, elevation = np.radians(direction)
+    right = [-np.sin(azimuth), np.cos(azimuth), 0]
+    over = [-np.sin(elevation) * np.cos(azimuth), -np.sin(elevation) * np.sin(azimuth), np.cos(elevation)]
+    seen = hull @ np.transpose([right, over])
+    spread = seen - seen.mean(axis=0)
+    return round(float(np.log(np.linalg.det(spread.T @ spread) + 1e-6)), 6)
+
+
+# ---- pages -------------------------------------------------------------------------------------------
+
+_LOADER = """
+(() => {
+  let root;
+  try { root = parent.document.documentElement.dataset.content_root; } catch { /* not our page */ }
+  if (root === undefined) {
+    document.body.textContent = "This scene moves in the built book; here, run its cell to see it.";
+    return;
+  }
+  const add = (tag, values) => document.head.append(Object.assign(document.createElement(tag), values));
+  add("link", { rel: "stylesheet", href: root + "_static/kinlib/viewer.css" });
+  window.bundle = root + "_static/meshcat/main.min.js";
+  add("script", { src: root + "_static/kinlib/viewer.js" });
+})();
+"""
+
+
+def static_files() -> dict[str, Path]:
+    """The files that the scenes of a book share, by their place in the book's ``_static`` folder."""
+    viewer = Path(importlib.util.find_spec("meshcat").origin).parent / "viewer"
+    bundle = [viewer / "LICENSE", *sorted((viewer / "dist").glob("main.min.js*"))]
+    ours = [Path(__file__).with_name(name) for name in ("viewer.css", "viewer.js")]
+    return {f"meshcat/{file.name}": file for file in bundle} | {f"kinlib/{file.name}": file for file in ours}
+
+
+def _shares_the_viewer() -> bool:
+    """Whether scenes use the viewer of the book around them; in a live Jupyter each brings its own.
+
+    The environment variable ``KINLIB_SCENE`` decides if it is ``shared`` or ``inline``.
+    """
+    asked = os.environ.get("KINLIB_SCENE")
+    if asked not in (None, "shared", "inline"):
+        raise ValueError(f"expected KINLIB_SCENE to be 'shared' or 'inline', got {asked!r}")
+    return asked == "shared" if asked else "JPY_SESSION_NAME" not in os.environ
+
+
+def _page(recording: dict, *, shared: bool) -> str:
+    """The HTML document of one scene."""
+    data = json.dumps(recording, ensure_ascii=False, separators=(",", ":")).replace("<", "\\u003c")
+    style, scripts = ("", [_LOADER]) if shared else _own_copies()
+    return "\n".join([
+        '<!doctype html><html lang="en"><head><meta charset="utf-8">',
+        '<meta name="viewport" content="width=device-width">',
+        f"<title>{html.escape(recording['alt'])}</title>{style}</head><body>",
+        f'<script type="application/json" id="recording">{data}</script>',
+        *(f"<script>{script}</script>" for script in scripts),
+        "</body></html>",
+    ])  # fmt: skip
+
+
+def _own_copies() -> tuple[str, list[str]]:
+    """The style sheet and the scripts of the player, to be written into the page."""
+    shared = static_files()
+    css, *scripts = (
+        shared[name].read_text(encoding="utf-8")
+        for name in ("kinlib/viewer.css", "meshcat/main.min.js", "kinlib/viewer.js")
+    )
+    return f"<style>{css}</style>", [script.replace("</script", "<\\/script") for script in scripts]
