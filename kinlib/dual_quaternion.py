@@ -161,6 +161,18 @@ class DualQuaternion:
         """
         return self.from_components(np.array(self._components, dtype=dtype))
 
+    def map(self, function) -> DualQuaternion:
+        """The same dual quaternion with a function applied to each coefficient, such as ``sympy.expand``.
+
+        Examples
+        --------
+        >>> import sympy
+        >>> x = sympy.Symbol("x")
+        >>> ((x + i) * (x - i)).map(sympy.factor)
+        x**2 + 1
+        """
+        return DualQuaternion(np.frompyfunc(function, 1, 1)(self.coeffs.astype(object)))
+
     def __add__(self, other) -> DualQuaternion:
         if isinstance(other, DualQuaternion):
             return self.from_components(_settled(_aligned_sum(self._components, other._components)))

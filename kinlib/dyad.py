@@ -100,6 +100,8 @@ class Dyad:
         x = pose if self.home is one else pose * self.home.inverse()
         n1, n2, c = null_form(self.h1, self.h1), null_form(self.h2, self.h2), null_form(self.h1, self.h2)
         area = n1 * n2 - c * c
+        if np.any(is_zero(area, n1 * n2, 1e-28)):
+            raise DegenerateError("the axes are parallel: their 2R space meets the exceptional three-space")
         along = [null_form(x, y) for y in (one, self.h1, self.h2, self.h1 * self.h2)]
         return (
             divide(n1 * n2 * along[0] + c * along[3], area),
@@ -145,10 +147,13 @@ def _is_half_turn(h: DualQuaternion):
 
 
 def _commute(h1: DualQuaternion, h2: DualQuaternion):
-    """Whether two half-turns have one axis: then their product has no vector part."""
-    product = (h1 * h2).components
-    scale = size(h1.components, 0) * size(h2.components, 0)
-    return np.all(is_zero(product[[1, 2, 3, 5, 6, 7]], scale, 1e-12), axis=0)
+    """Whether two half-turns have one axis: parallel directions, and moments in the same ratio."""
+    l1, m1, l2, m2 = (x for h in (h1, h2) for x in (h.components[1:4], h.components[5:]))
+    minors = [l1[a] * l2[b] - l1[b] * l2[a] for a, b in ((0, 1), (1, 2), (2, 0))]
+    parallel = np.all([is_zero(x, size(l1, 0) * size(l2, 0), 1e-12) for x in minors], axis=0)
+    square, product = (l2 * l2).sum(axis=0), (l1 * l2).sum(axis=0)
+    shift = m1 * square - m2 * product
+    return parallel & np.all(is_zero(shift, size(m1, 0) * size(l2, 0) ** 2, 1e-12), axis=0)
 
 
 @dataclass(frozen=True, eq=False)
@@ -239,6 +244,8 @@ def recognise(basis, *, rtol: float = RTOL) -> Dyad:
     kinlib.errors.DegenerateError: the space lies in the Study quadric: the axes would be coplanar
     """
     points = DualQuaternion(coordinates_of(basis.points if isinstance(basis, TwoRSpace) else _rows(basis)))
+    if points.components.dtype.kind == "f" and not np.all(np.isfinite(points.components)):
+        raise ValueError("expected finite coefficients, got NaN or infinity")
     length = 1 if is_exact(points.components) else size(points.coeffs[..., 4:]) / size(points.coeffs[..., :4]) or 1
     dyad = _recognised(_three_space(_stretched(points, divide(1, length)), rtol), rtol)
     return dyad if length == 1 else Dyad(_stretched(dyad.h1, length), _stretched(dyad.h2, length))
@@ -255,6 +262,8 @@ def _stretched(q: DualQuaternion, factor) -> DualQuaternion:
 
 def _recognised(space: Subspace, rtol: float) -> Dyad:
     null, study = NULL_CONE.restrict(space), STUDY_QUADRIC.restrict(space)
+    if study.rank(rtol=rtol) == 0:
+        raise DegenerateError("the space lies in the Study quadric: the axes would be coplanar")
     if null.rank(rtol=rtol) < 4:
         raise DegenerateError("the space meets the exceptional three-space: one of the joints would be prismatic")
     _check_regular(study, rtol)
@@ -283,8 +292,6 @@ def _three_space(points: DualQuaternion, rtol: float) -> Subspace:
 
 def _check_regular(study: Quadric, rtol: float) -> None:
     rank = study.rank(rtol=rtol)
-    if rank == 0:
-        raise DegenerateError("the space lies in the Study quadric: the axes would be coplanar")
     if rank < 4:
         raise DegenerateError(f"the space meets the Study quadric in a singular quadric, of rank {rank}")
     positive, _ = study.signature()

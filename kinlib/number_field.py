@@ -169,6 +169,8 @@ class NumberFieldElement:
         """The same number as a SymPy expression."""
         return self.field.domain.to_sympy(self.value)
 
+    _sympy_ = as_sympy  # so that SymPy mixes with these numbers exactly, not through floats
+
     def _to(self, digits: int):
         from sympy import Float
 

@@ -66,7 +66,7 @@ def _plain_objects(array: np.ndarray) -> np.ndarray:
     for index, x in np.ndenumerate(array):
         if isinstance(x, np.generic):
             array[index] = x.item()
-        elif x is None or isinstance(x, (str, bytes, list, tuple, dict, set)):
+        elif type(x) in (type(None), str, bytes, list, tuple, dict, set):
             raise TypeError(f"expected numbers, got {x!r}")
     return array if is_exact(array) else _float_or_same(array)
 
