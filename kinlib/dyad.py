@@ -100,7 +100,7 @@ class Dyad:
         x = pose if self.home is one else pose * self.home.inverse()
         n1, n2, c = null_form(self.h1, self.h1), null_form(self.h2, self.h2), null_form(self.h1, self.h2)
         area = n1 * n2 - c * c
-        if np.any(is_zero(area, n1 * n2, 1e-28)):
+        if np.any(self.is_parallel()):
             raise DegenerateError("the axes are parallel: their 2R space meets the exceptional three-space")
         along = [null_form(x, y) for y in (one, self.h1, self.h2, self.h1 * self.h2)]
         return (
@@ -109,6 +109,11 @@ class Dyad:
             divide(n1 * along[2] - c * along[1], area),
             divide(c * along[0] + along[3], area),
         )
+
+    def is_parallel(self):
+        """Whether the two axes are parallel, so that the 2R space meets the exceptional three-space."""
+        n1, n2, c = null_form(self.h1, self.h1), null_form(self.h2, self.h2), null_form(self.h1, self.h2)
+        return is_zero(n1 * n2 - c * c, n1 * n2, 1e-28)
 
     def parameters(self, pose: DualQuaternion) -> tuple:
         """The t1, t2 with R(t1, t2) = pose, for a pose that the dyad reaches.
@@ -181,6 +186,8 @@ class TwoRSpace:
     def contains(self, pose, *, rtol: float = RTOL):
         """Whether a point of P⁷ lies in the space; batches give one answer an entry."""
         x = pose if isinstance(pose, DualQuaternion) else as_pose(pose)
+        if not self.dyad.shape and self.dyad.is_parallel():
+            return self.as_subspace().contains(x)
         inside = sum((e * c for c, e in zip(self.dyad.coordinates(x), self.dyad.basis, strict=True)), one * 0)
         difference = (inside - x).components
         primal, dual = (
