@@ -1,0 +1,123 @@
+"""What is measured: kinlib's work, and the yardsticks that always run."""
+
+import numpy as np
+
+import kinlib as kl
+from kinlib.gallery import FOUR_POSES
+from kinlib.testing import random_poses
+
+from .clock import measured_in_bytes, timed
+
+Z = 1 + 2j
+PARAMETERS = 1000
+FLOAT_POSES = [pose.astype(float) for pose in FOUR_POSES]
+
+
+def cubic() -> kl.MotionPolynomial:
+    """A monic cubic motion polynomial."""
+    C = kl.cubics_through(*FLOAT_POSES)[0]
+    return C * C.leading.inverse()
+
+
+def poses(count: int, size: int) -> list[kl.DualQuaternion]:
+    return random_poses(count, seed=1, shape=(size,))
+
+
+def points(size: int) -> np.ndarray:
+    return np.random.default_rng(2).normal(size=(size, 3))
+
+
+def lines(size: int) -> kl.Line:
+    a, b = points(2 * size).reshape(2, size, 3)
+    return kl.Line.through(a, b)
+
+
+@timed
+def one_product(size):
+    p, q = random_poses(2, seed=1)
+    return lambda: p * q
+
+
+@timed
+def products(size):
+    p, q = poses(2, size)
+    return lambda: p * q
+
+
+@timed
+def copies(size):
+    p, q = (pose.components for pose in poses(2, size))
+    return lambda: (p.copy(), q.copy())
+
+
+@timed
+def act_on_one_point(size):
+    (pose,), x = random_poses(1, seed=1), points(1)[0]
+    return lambda: kl.act(pose, x)
+
+
+@timed
+def act_on_points(size):
+    (pose,), x = poses(1, size), points(size)
+    return lambda: kl.act(pose, x)
+
+
+@timed
+def act_on_lines(size):
+    (pose,), x = poses(1, size), lines(size)
+    return lambda: kl.act(pose, x)
+
+
+@timed
+def one_bennett(size):
+    return lambda: kl.bennett_linkage(*FLOAT_POSES[:3])
+
+
+@timed
+def bennett(size):
+    three = poses(3, size)
+    return lambda: kl.bennett_linkage(*three, degenerate="nan")
+
+
+def _goldberg(size):
+    three = poses(3, size)
+    return lambda: kl.goldberg_linkages(*three, Z, degenerate="nan")
+
+
+goldberg = timed(_goldberg)
+goldberg_memory = measured_in_bytes(_goldberg)
+
+
+def goldberg_result(size):
+    """The bytes of the numbers in which the eight linkages differ: four new factors each."""
+    return lambda: 8 * 4 * 8 * size * np.dtype(float).itemsize
+
+
+@timed
+def eigenvalues(size):
+    matrices = np.random.default_rng(3).normal(size=(size, 4, 4))
+    return lambda: np.linalg.eigvals(matrices)
+
+
+@timed
+def six_factorizations(size):
+    C = cubic()
+    return lambda: kl.factorizations(C)
+
+
+@timed
+def six_r(size):
+    return lambda: kl.six_r_linkages(*FLOAT_POSES)
+
+
+@timed
+def motion(size):
+    C, t = cubic(), np.linspace(-3, 3, PARAMETERS)
+    return lambda: C(t)
+
+
+@timed
+def matrix_product(size):
+    """Powers of the parameters times coefficients, (1000, 4) by (4, 8): the arithmetic of a cubic motion."""
+    powers, coeffs = np.vander(np.linspace(-3, 3, PARAMETERS), 4), cubic().coeffs.copy()
+    return lambda: powers @ coeffs
