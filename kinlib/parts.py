@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from kinlib.skeleton import X_AXIS, Y_AXIS, Z_AXIS, pose_matrices
+from kinlib.skeleton import PIN, X_AXIS, Y_AXIS, Z_AXIS, pose_matrices
 
 with warnings.catch_warnings():  # about meshcat's server, which is not used here
     warnings.simplefilter("ignore", DeprecationWarning)
@@ -22,7 +22,7 @@ with warnings.catch_warnings():  # about meshcat's server, which is not used her
 
 __all__ = [
     "DIGITS",
-    "INK",
+    "PIN",
     "Ball",
     "Curve",
     "Frame",
@@ -37,9 +37,6 @@ __all__ = [
 
 DIGITS = 5
 """Decimals that are kept of every number, in units of a scene's radius."""
-
-INK = "#aab2bd"
-"""A grey that is seen on light pages and on dark ones."""
 
 GLOW = "#ffc531"
 """The light about a pose that is reached."""
@@ -81,7 +78,7 @@ class Rod:
 
     start: np.ndarray
     end: np.ndarray
-    colour: str = INK
+    colour: str = PIN
     radius: float | None = None
     body: str = ""
     opacity: float = 1.0
@@ -99,7 +96,7 @@ class Ball:
     """A ball about a point; its radius is 2.5 % of the scene's if it is not given."""
 
     centre: np.ndarray
-    colour: str = INK
+    colour: str = PIN
     radius: float | None = None
     body: str = ""
     opacity: float = 1.0
@@ -117,7 +114,7 @@ class Curve:
     """A smooth tube through points, shape (k, 3); closed if the last point is followed by the first."""
 
     path: np.ndarray
-    colour: str = INK
+    colour: str = PIN
     radius: float | None = None
     closed: bool = False
     body: str = ""
@@ -136,7 +133,7 @@ class Surface:
     """A surface through a grid of points, shape (rows, columns, 3)."""
 
     grid: np.ndarray
-    colour: str = INK
+    colour: str = PIN
     body: str = ""
     opacity: float = 0.4
 

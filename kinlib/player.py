@@ -97,7 +97,7 @@ class Playable:
         page = _page(self.recording(), shared=_shares_the_viewer())
         return (
             f'<iframe class="kinlib-scene" title="{html.escape(self.alt)}" '
-            f'style="width:100%;height:{self.height};border:0;display:block" '
+            f'style="width:100%;height:{self.height};border:0;border-radius:8px;display:block" '
             f"srcdoc='{page.replace('&', '&amp;').replace(chr(39), '&#39;')}'></iframe>"
         )
 
@@ -129,6 +129,7 @@ class Scene(Playable):
 
     Examples
     --------
+    >>> from kinlib.scene import Rod
     >>> angles = np.arange(0, np.pi, np.pi / 12)
     >>> turns = DualQuaternion([[np.cos(x), 0, 0, np.sin(x), 0, 0, 0, 0] for x in angles])
     >>> hand = Rod([0, 0, 0], [1, 0, 0], body="hand")

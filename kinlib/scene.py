@@ -2,29 +2,32 @@
 
 from __future__ import annotations
 
-from itertools import pairwise
-
 import numpy as np
 
 from kinlib.displacement import act, as_pose
 from kinlib.dual_quaternion import DualQuaternion, one
-from kinlib.parts import INK, Ball, Curve, Frame, Label, Rod, Surface
+from kinlib.pace import one_turn, parameters_of
+from kinlib.parts import Ball, Curve, Frame, Label, Rod, Surface
 from kinlib.player import Scene, SceneGrid, static_files
 from kinlib.scalar import as_float
 from kinlib.skeleton import (
     BASE,
     COUPLER,
     LINKS,
-    bars,
+    Piece,
     common_feet,
+    coupler_pieces,
     extent,
     floats,
+    holder,
     in_floats,
+    joint,
     lines_of,
     link_colours,
     link_names,
-    one_turn,
-    parameters_of,
+    link_pieces,
+    linkage_pieces,
+    pin,
 )
 
 __all__ = [
@@ -75,15 +78,17 @@ def linkage_scene(
     t, places = one_turn(linkage, frames, stops, places)
     path = as_float(act(linkage.coupler_motion(t), point))
     unit = max(extent(linkage), np.ptp(path, axis=0).max() / 2)
+    start = as_float(act(linkage.home, point))
     moves = linkage.link_displacements(t)
+    bodies = ["", *(f"link {n}" for n in range(1, len(linkage)))]
     return Scene(
         parts=[
-            *_links(linkage, unit),
-            *_coupler(linkage, path[0], unit),
+            *_rods(linkage_pieces(linkage, unit) + coupler_pieces(linkage, start, unit), bodies),
+            Frame(linkage.home, 0.24 * unit, body=bodies[linkage.coupler]),
             Curve(path, COUPLER, 0.012 * unit, closed=True),
             *_reached(poses, places, unit, names),
         ],
-        motions={_body(n): moves[:, n] for n in range(1, moves.shape[1])},
+        motions={name: moves[:, n] for n, name in enumerate(bodies) if name},
         captions=[f"t = {_short(x)}" for x in t],
         legend=[*zip(link_names(linkage), link_colours(linkage), strict=True)],
         alt=alt,
@@ -92,65 +97,14 @@ def linkage_scene(
     )
 
 
-def _body(link: int) -> str:
-    return f"link {link}" if link else ""
-
-
-def _links(linkage, unit: float) -> list:
-    """The links, and a pin in every joint."""
-    ends, directions = bars(linkage), lines_of(linkage.axes)[1]
-    count = len(ends)
-    joints = [_joint(directions[n], ends[n, 1], ends[(n + 1) % count, 0], unit) for n in range(count)]
-    parts = []
-    for link, colour in enumerate(link_colours(linkage)):
-        radius = 0.03 * unit if link else 0.042 * unit
-        parts += _bar(joints[link - 1][1], joints[link][0], colour, radius, 0.065 * unit, _body(link))
-    return parts + [_pin(before[1], after[1], unit, _body(n)) for n, (before, after) in enumerate(joints)]
-
-
-def _joint(direction: np.ndarray, before: np.ndarray, after: np.ndarray, unit: float) -> tuple:
-    """Foot and sleeve, of shape (2, 3), of the link before a joint and of the link after it.
-
-    The joint is half-way between the feet.  Where these are close together, the bars end in the sleeves.
-    """
-    middle, gap = (before + after) / 2, (after - before) @ direction
-    step = 0.1 * unit * (direction if gap >= 0 else -direction)
-    sleeves = middle + np.array([[-1.03], [-0.03]]) * step, middle + np.array([[0.03], [1.03]]) * step
-    feet = (before, after) if abs(gap) > 0.25 * unit else [sleeve.mean(axis=0) for sleeve in sleeves]
-    return tuple(zip(feet, sleeves, strict=True))
-
-
-def _bar(first: tuple, second: tuple, colour: str, radius: float, wide: float, body: str) -> list:
-    """A bar from foot to foot, an arm along the axis to each sleeve that is not at its foot, and the sleeves."""
-    parts = [Rod(first[0], second[0], colour, radius, body)]
-    for foot, sleeve in (first, second):
-        parts.append(Rod(*sleeve, colour, wide, body))
-        if np.linalg.norm(foot - sleeve.mean(axis=0)) > radius:
-            parts.append(Rod(foot, sleeve.mean(axis=0), colour, radius, body))
-            parts.append(Ball(foot, colour, radius, body))
-    return parts
-
-
-def _pin(before: np.ndarray, after: np.ndarray, unit: float, body: str) -> Rod:
-    """The pin through two sleeves, a little longer than both."""
-    step = 0.4 * (before[1] - before[0])
-    return Rod(before[0] - step, after[1] + step, INK, 0.03 * unit, body)
-
-
-def _coupler(linkage, point: np.ndarray, unit: float) -> list:
-    """The coupler's frame and the point whose path is drawn, with rods that hold them to its bar."""
-    body = _body(linkage.coupler)
-    home = linkage.coupler_motion(np.array([np.inf]))[0]
-    origin = as_float(act(home, [0, 0, 0]))
-    holder = _nearest(*bars(linkage)[linkage.coupler], origin)
-    return [*_holder((holder, origin, point), unit, body), Frame(home, 0.24 * unit, body=body)]
-
-
-def _nearest(start: np.ndarray, end: np.ndarray, point: np.ndarray) -> np.ndarray:
-    """The point of a segment that is nearest to a given point."""
-    bar = end - start
-    length = bar @ bar
-    return start + (np.clip((point - start) @ bar / length, 0, 1) if length > 0 else 0) * bar
+def _rods(pieces, names) -> list[Rod | Ball]:
+    """Pieces as parts of a scene; the names are those of the bodies that carry the links."""
+    return [
+        Rod(start, end, colour, radius, names[link])
+        if np.any(start != end)
+        else Ball(start, colour, radius, names[link])
+        for start, end, radius, colour, link in pieces
+    ]
 
 
 def _subscript(number: int) -> str:
@@ -301,25 +255,15 @@ def _swept_surface(h1: DualQuaternion, h2: DualQuaternion, point: np.ndarray, st
 def _arm(points: np.ndarray, directions: np.ndarray, home: DualQuaternion, point: np.ndarray, unit: float) -> list:
     """A post on the first axis, the link to the second, and the hand with its frame and its point."""
     feet = common_feet(points, directions)
-    joints = [_joint(direction, foot, foot, unit) for direction, foot in zip(directions, feet, strict=True)]
-    (post, near), (far, hand) = joints
-    origin = as_float(act(home, [0, 0, 0]))
-    return [
-        Rod(post[0] - 0.5 * unit * directions[0], post[0], BASE, 0.042 * unit),
-        Rod(*post[1], BASE, 0.065 * unit),
-        *_bar(near, far, LINKS[0], 0.03 * unit, 0.065 * unit, "link"),
-        Rod(*hand[1], COUPLER, 0.065 * unit, "hand"),
-        *_holder((hand[0], origin, point), unit, "hand"),
-        _pin(post[1], near[1], unit, ""),
-        _pin(far[1], hand[1], unit, "link"),
-        Frame(home, 0.24 * unit, body="hand"),
-        Label("h₁", feet[0]),
-        Label("h₂", feet[1], "link"),
+    (post, near), (far, hand) = [joint(directions[n], feet[n], feet[n], unit) for n in (0, 1)]
+    pieces = [
+        Piece(post[0] - 0.5 * unit * directions[0], post[0], 0.042 * unit, BASE, 0),
+        Piece(*post[1], 0.065 * unit, BASE, 0),
+        *link_pieces(near, far, LINKS[0], 1, unit),
+        Piece(*hand[1], 0.065 * unit, COUPLER, 2),
+        *holder((hand[0], as_float(act(home, [0, 0, 0])), point), 2, unit),
+        pin(post[1], near[1], 0, unit),
+        pin(far[1], hand[1], 1, unit),
     ]
-
-
-def _holder(stations, unit: float, body: str) -> list:
-    """Thin rods from station to station, and a ball at the last."""
-    pairs = [(a, b) for a, b in pairwise(stations) if np.any(a != b)]
-    rods = [Rod(a, b, COUPLER, 0.018 * unit, body) for a, b in pairs]
-    return [*rods, Ball(stations[-1], COUPLER, 0.035 * unit, body)]
+    frame, labels = Frame(home, 0.24 * unit, body="hand"), [Label("h₁", feet[0]), Label("h₂", feet[1], "link")]
+    return [*_rods(pieces, ["", "link", "hand"]), frame, *labels]

@@ -1,6 +1,9 @@
-"""A linkage as it is drawn: its bars, its colours, and one turn in even steps."""
+"""A linkage as it is drawn: colours, bars, and the joints between them."""
 
 from __future__ import annotations
+
+from itertools import pairwise
+from typing import NamedTuple
 
 import numpy as np
 
@@ -10,17 +13,16 @@ from kinlib.linkage import Linkage
 from kinlib.scalar import as_float
 
 __all__ = [
-    "BASE", "COUPLER", "LINKS", "X_AXIS", "Y_AXIS", "Z_AXIS",
-    "bars", "common_feet", "extent", "floats", "in_floats", "lines_of", "link_colours", "link_names",
-    "one_turn", "parameters_of", "pose_matrices",
+    "BASE", "COUPLER", "LINKS", "PIN", "X_AXIS", "Y_AXIS", "Z_AXIS", "Piece",
+    "bars", "common_feet", "coupler_pieces", "extent", "floats", "holder", "in_floats", "joint", "lines_of",
+    "link_colours", "link_names", "link_pieces", "linkage_pieces", "pin", "pose_matrices",
 ]  # fmt: skip
 
 # Okabe & Ito's colours: told apart by colour-blind readers, and seen on white as on black.
 BASE, COUPLER = "#808080", "#d55e00"
 LINKS = ("#0072b2", "#e69f00", "#009e73", "#cc79a7", "#56b4e9")
+PIN = "#aab2bd"
 X_AXIS, Y_AXIS, Z_AXIS = "#e5484d", "#3aa655", "#4a72f5"
-
-_STEPS = 720  # places along a turn from which even ones are chosen
 
 
 def in_floats(linkage: Linkage) -> Linkage:
@@ -138,145 +140,84 @@ def pose_matrices(poses) -> np.ndarray:
     return np.array(matrices).reshape(-1, 4, 4)
 
 
-def parameters_of(linkage: Linkage, poses) -> np.ndarray:
-    """The parameters t at which the coupler reaches the poses.
+# ---- pieces ------------------------------------------------------------------------------------------
+
+
+class Piece(NamedTuple):
+    """A round rod from start to end, or a ball if these agree, that belongs to a link."""
+
+    start: np.ndarray
+    end: np.ndarray
+    radius: float
+    colour: str
+    link: int
+
+
+def linkage_pieces(linkage: Linkage, unit: float) -> list[Piece]:
+    """All links of a linkage at home, with a sleeve at every end and a pin in every joint.
 
     Parameters
     ----------
     linkage : Linkage
-    poses : sequence of DualQuaternion, 4×4 matrices or SciPy ``RigidTransform``
-
-    Returns
-    -------
-    numpy.ndarray
-        One parameter a pose; ``inf`` for the pose at home.
-
-    Raises
-    ------
-    ValueError
-        If the coupler does not pass through one of the poses.
+    unit : float
+        The length in which thicknesses are measured.
     """
-    return np.array([_parameter_of(linkage, target, n) for n, target in enumerate(pose_matrices(poses))])
+    ends, directions = bars(linkage), lines_of(linkage.axes)[1]
+    count = len(linkage)
+    joints = [joint(directions[n], ends[n, 1], ends[(n + 1) % count, 0], unit) for n in range(count)]
+    links = [
+        piece
+        for link, colour in enumerate(link_colours(linkage))
+        for piece in link_pieces(joints[link - 1][1], joints[link][0], colour, link, unit)
+    ]
+    return links + [pin(before[1], after[1], n, unit) for n, (before, after) in enumerate(joints)]
 
 
-def _parameter_of(linkage: Linkage, target: np.ndarray, n: int) -> float:
-    """Search the whole turn, then let the secant rule settle where the gap is orthogonal to the motion."""
-    size = extent(linkage)
+def joint(direction: np.ndarray, before: np.ndarray, after: np.ndarray, unit: float) -> tuple:
+    """Foot and sleeve, the latter of shape (2, 3), of the link before a joint and of the link after it.
 
-    def gap(turn):
-        difference = _matrices(linkage, turn) - target
-        return (difference / np.array([1, 1, 1, size]))[..., :3, :].reshape(*np.shape(turn), 12)
-
-    turns = _even_turns(linkage)
-    best = turns[np.argmin((gap(turns) ** 2).sum(-1))]
-    width = 1e-4 * min(best, 2 * np.pi - best) + 1e-9
-    tangent = gap(best + width) - gap(best - width)
-    root = _secant(lambda turn: gap(turn) @ tangent, best - width, best + width)
-    if not np.abs(gap(root)).max() < 1e-6:
-        raise ValueError(f"the coupler does not pass through pose {n} of those given")
-    return np.inf if abs(np.sin(root / 2)) < 1e-9 else 1 / np.tan(root / 2)
-
-
-def _secant(function, a: float, b: float) -> float:
-    """A zero of a function near a and b, as closely as floats tell."""
-    at_a, at_b = function(a), function(b)
-    for _ in range(30):
-        if at_a == at_b or abs(b - a) < 1e-15:
-            break
-        a, b, at_a = b, b - at_b * (b - a) / (at_b - at_a), at_b
-        at_b = function(b)
-    return b
-
-
-def _parameter(turn) -> np.ndarray:
-    """The parameter t = cot(½ turn): a turn of 0 is t = ∞, a turn of 2π is t = −∞."""
-    turn = np.asarray(turn, dtype=float)
-    sine = np.sin(turn / 2)
-    home = np.abs(sine) < 1e-12
-    return np.where(home, np.inf, np.cos(turn / 2) / np.where(home, 1, sine))
-
-
-def _matrices(linkage: Linkage, turn) -> np.ndarray:
-    return as_float(as_matrix(linkage.coupler_motion(_parameter(turn))))
-
-
-def _ends(linkage: Linkage, turns: np.ndarray) -> np.ndarray:
-    """Where the ends of the bars are, shape (number of turns, 2 n, 3)."""
-    moves: DualQuaternion = linkage.link_displacements(_parameter(turns))
-    return as_float(act(moves[..., None], bars(linkage))).reshape(len(turns), -1, 3)
-
-
-def _travel(linkage: Linkage, turns: np.ndarray) -> np.ndarray:
-    """How far the ends of the bars have come altogether, from 0 to 1; never at rest."""
-    steps = np.linalg.norm(np.diff(_ends(linkage, turns), axis=0), axis=-1).sum(axis=-1)
-    travel = np.concatenate([[0], np.cumsum(steps)])
-    share = turns / (2 * np.pi)
-    return 0.95 * travel / travel[-1] + 0.05 * share if travel[-1] > 0 else share
-
-
-def _even_turns(linkage: Linkage) -> np.ndarray:
-    """Turns from 0 to 2π in which the linkage goes equally far at each step, nearly."""
-    turns = np.linspace(0, 2 * np.pi, _STEPS + 1)
-    for _ in range(4):
-        travel = _travel(linkage, turns)
-        turns = np.interp(np.linspace(0, travel[-1], _STEPS + 1), travel, turns)
-    return turns
-
-
-def one_turn(linkage: Linkage, frames: int, stops=(), places=None) -> tuple[np.ndarray, np.ndarray]:
-    """Parameters along one turn at which the linkage goes equally far at each step.
-
-    Parameters
-    ----------
-    linkage : Linkage
-    frames : int
-        How many parameters; after the last comes the first again.
-    stops : array_like, shape (k,)
-        Parameters that must be among them, in any order.
-    places : array_like of int, shape (k,), optional
-        Where the stops must be.  If not given, the first parameter is ``inf`` (home), from which t falls, and the
-        stops are where an even pace puts them.
-
-    Returns
-    -------
-    parameters : numpy.ndarray, shape (frames,)
-    places : numpy.ndarray of int, shape (k,)
-        Where the stops are.
-
-    Raises
-    ------
-    ValueError
-        If there are too few frames for the stops, or the stops do not follow each other as the places ask.
+    The joint is half-way between the feet.  Where these are close together, the bars end in the sleeves.
     """
-    stops = np.asarray(stops, dtype=float)
-    knots = np.where(np.isinf(stops), 0, 2 * np.arctan2(1, stops))
-    turns = np.union1d(_even_turns(linkage), knots)
-    travel = _travel(linkage, turns)
-    heights = np.interp(knots, turns, travel)
-    places = _even_places(heights, frames) if places is None else np.asarray(places, dtype=int)
-    parameters = _parameter(np.interp(_heights(places, heights, frames), travel, turns))
-    parameters[places] = np.where(knots == 0, np.inf, stops)
-    return parameters, places
+    middle, gap = (before + after) / 2, (after - before) @ direction
+    step = 0.1 * unit * (direction if gap >= 0 else -direction)
+    sleeves = middle + np.array([[-1.03], [-0.03]]) * step, middle + np.array([[0.03], [1.03]]) * step
+    feet = (before, after) if abs(gap) > 0.25 * unit else [sleeve.mean(axis=0) for sleeve in sleeves]
+    return tuple(zip(feet, sleeves, strict=True))
 
 
-def _even_places(heights: np.ndarray, frames: int) -> np.ndarray:
-    """The frames at which an even climb from 0 to 1 comes to the heights: whole numbers, all different, home at 0."""
-    corners = np.union1d(0, heights)
-    if len(corners) > frames:
-        raise ValueError(f"expected at least {len(corners)} frames for the stops, got {frames}")
-    order = np.arange(len(corners))
-    rising = np.maximum.accumulate(np.round(frames * corners) - order)
-    rising = np.minimum(rising, frames - len(corners)) + order
-    return rising[np.searchsorted(corners, heights)].astype(int)
+def link_pieces(first: tuple, second: tuple, colour: str, link: int, unit: float) -> list[Piece]:
+    """A bar from foot to foot, the sleeves, and an arm along the axis to each sleeve that is not at its foot."""
+    radius = (0.03 if link else 0.042) * unit
+    pieces = [Piece(first[0], second[0], radius, colour, link)]
+    for foot, sleeve in (first, second):
+        middle = sleeve.mean(axis=0)
+        pieces.append(Piece(*sleeve, 0.065 * unit, colour, link))
+        if np.linalg.norm(foot - middle) > radius:
+            pieces += [Piece(foot, middle, radius, colour, link), Piece(foot, foot, radius, colour, link)]
+    return pieces
 
 
-def _heights(places: np.ndarray, heights: np.ndarray, frames: int) -> np.ndarray:
-    """How far every frame has come, when the given heights belong to the given places; upwards or downwards."""
-    places, heights = (np.append(places, 0), np.append(heights, 0)) if 0 not in places else (places, heights)
-    places, first = np.unique(places, return_index=True)
-    for sense in (1, -1):
-        climb = sense * (heights[first] - heights[first[0]]) % 1
-        if np.all(np.diff(climb) > 0):
-            even = np.interp(np.arange(frames), np.append(places, frames), np.append(climb, 1))
-            return (heights[first[0]] + sense * even) % 1
-    raise ValueError("the poses do not follow each other in the order that is asked for")
+def pin(before: np.ndarray, after: np.ndarray, link: int, unit: float) -> Piece:
+    """The pin through two sleeves, a little longer than both."""
+    step = 0.4 * (before[1] - before[0])
+    return Piece(before[0] - step, after[1] + step, 0.025 * unit, PIN, link)
+
+
+def coupler_pieces(linkage: Linkage, point: np.ndarray, unit: float) -> list[Piece]:
+    """Thin rods at home from the coupler's bar to the origin of its frame, and on to a point, shape (3,)."""
+    origin = as_float(act(linkage.home, [0, 0, 0]))
+    start, end = bars(linkage)[linkage.coupler]
+    return holder((_nearest(start, end, origin), origin, point), linkage.coupler, unit)
+
+
+def holder(stations, link: int, unit: float) -> list[Piece]:
+    """Thin rods from station to station in the coupler's colour, and a ball at the last."""
+    rods = [Piece(a, b, 0.018 * unit, COUPLER, link) for a, b in pairwise(stations) if np.any(a != b)]
+    return [*rods, Piece(stations[-1], stations[-1], 0.035 * unit, COUPLER, link)]
+
+
+def _nearest(start: np.ndarray, end: np.ndarray, point: np.ndarray) -> np.ndarray:
+    """The point of a segment that is nearest to a given point."""
+    bar = end - start
+    length = bar @ bar
+    return start + (np.clip((point - start) @ bar / length, 0, 1) if length > 0 else 0) * bar

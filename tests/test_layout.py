@@ -34,6 +34,7 @@ ORDER = [
     "six_r",
     "goldberg",
     "skeleton",
+    "pace",
     "draw",
     "parts",
     "player",

@@ -1,0 +1,158 @@
+"""One turn of a linkage in even steps, and when it reaches given poses."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from kinlib.displacement import act, as_matrix
+from kinlib.linkage import Linkage
+from kinlib.scalar import as_float
+from kinlib.skeleton import bars, extent, pose_matrices
+
+__all__ = ["one_turn", "parameters_of"]
+
+_STEPS = 720  # places along a turn from which even ones are chosen
+
+
+def parameters_of(linkage: Linkage, poses) -> np.ndarray:
+    """The parameters t at which the coupler reaches the poses.
+
+    Parameters
+    ----------
+    linkage : Linkage
+    poses : sequence of DualQuaternion, 4×4 matrices or SciPy ``RigidTransform``
+
+    Returns
+    -------
+    numpy.ndarray
+        One parameter a pose; ``inf`` for the pose at home.
+
+    Raises
+    ------
+    ValueError
+        If the coupler does not pass through one of the poses.
+    """
+    return np.array([_parameter_of(linkage, target, n) for n, target in enumerate(pose_matrices(poses))])
+
+
+def _parameter_of(linkage: Linkage, target: np.ndarray, n: int) -> float:
+    """Search the whole turn, then let the secant rule settle where the gap is orthogonal to the motion."""
+    size = extent(linkage)
+
+    def gap(turn):
+        difference = _matrices(linkage, turn) - target
+        return (difference / np.array([1, 1, 1, size]))[..., :3, :].reshape(*np.shape(turn), 12)
+
+    turns = _even_turns(linkage)
+    best = turns[np.argmin((gap(turns) ** 2).sum(-1))]
+    width = 1e-4 * min(best, 2 * np.pi - best) + 1e-9
+    tangent = gap(best + width) - gap(best - width)
+    root = _secant(lambda turn: gap(turn) @ tangent, best - width, best + width)
+    if not np.abs(gap(root)).max() < 1e-6:
+        raise ValueError(f"the coupler does not pass through pose {n} of those given")
+    return np.inf if abs(np.sin(root / 2)) < 1e-9 else 1 / np.tan(root / 2)
+
+
+def _secant(function, a: float, b: float) -> float:
+    """A zero of a function near a and b, as closely as floats tell."""
+    at_a, at_b = function(a), function(b)
+    for _ in range(30):
+        if at_a == at_b or abs(b - a) < 1e-15:
+            break
+        a, b, at_a = b, b - at_b * (b - a) / (at_b - at_a), at_b
+        at_b = function(b)
+    return b
+
+
+def _parameter(turn) -> np.ndarray:
+    """The parameter t = cot(½ turn): a turn of 0 is t = ∞, a turn of 2π is t = −∞."""
+    turn = np.asarray(turn, dtype=float)
+    sine = np.sin(turn / 2)
+    home = np.abs(sine) < 1e-12
+    return np.where(home, np.inf, np.cos(turn / 2) / np.where(home, 1, sine))
+
+
+def _matrices(linkage: Linkage, turn) -> np.ndarray:
+    return as_float(as_matrix(linkage.coupler_motion(_parameter(turn))))
+
+
+def _ends(linkage: Linkage, turns: np.ndarray) -> np.ndarray:
+    """Where the ends of the bars are, shape (number of turns, 2 n, 3)."""
+    moves = linkage.link_displacements(_parameter(turns))
+    return as_float(act(moves[..., None], bars(linkage))).reshape(len(turns), -1, 3)
+
+
+def _travel(linkage: Linkage, turns: np.ndarray) -> np.ndarray:
+    """How far the ends of the bars have come altogether, from 0 to 1; never at rest."""
+    steps = np.linalg.norm(np.diff(_ends(linkage, turns), axis=0), axis=-1).sum(axis=-1)
+    travel = np.concatenate([[0], np.cumsum(steps)])
+    share = turns / (2 * np.pi)
+    return 0.95 * travel / travel[-1] + 0.05 * share if travel[-1] > 0 else share
+
+
+def _even_turns(linkage: Linkage) -> np.ndarray:
+    """Turns from 0 to 2π in which the linkage goes equally far at each step, nearly."""
+    turns = np.linspace(0, 2 * np.pi, _STEPS + 1)
+    for _ in range(4):
+        travel = _travel(linkage, turns)
+        turns = np.interp(np.linspace(0, travel[-1], _STEPS + 1), travel, turns)
+    return turns
+
+
+def one_turn(linkage: Linkage, frames: int, stops=(), places=None) -> tuple[np.ndarray, np.ndarray]:
+    """Parameters along one turn at which the linkage goes equally far at each step.
+
+    Parameters
+    ----------
+    linkage : Linkage
+    frames : int
+        How many parameters; after the last comes the first again.
+    stops : array_like, shape (k,)
+        Parameters that must be among them, in any order.
+    places : array_like of int, shape (k,), optional
+        Where the stops must be.  If not given, the first parameter is ``inf`` (home), from which t falls, and the
+        stops are where an even pace puts them.
+
+    Returns
+    -------
+    parameters : numpy.ndarray, shape (frames,)
+    places : numpy.ndarray of int, shape (k,)
+        Where the stops are.
+
+    Raises
+    ------
+    ValueError
+        If there are too few frames for the stops, or the stops do not follow each other as the places ask.
+    """
+    stops = np.asarray(stops, dtype=float)
+    knots = np.where(np.isinf(stops), 0, 2 * np.arctan2(1, stops))
+    turns = np.union1d(_even_turns(linkage), knots)
+    travel = _travel(linkage, turns)
+    heights = np.interp(knots, turns, travel)
+    places = _even_places(heights, frames) if places is None else np.asarray(places, dtype=int)
+    parameters = _parameter(np.interp(_heights(places, heights, frames), travel, turns))
+    parameters[places] = np.where(knots == 0, np.inf, stops)
+    return parameters, places
+
+
+def _even_places(heights: np.ndarray, frames: int) -> np.ndarray:
+    """The frames at which an even climb from 0 to 1 comes to the heights: whole numbers, all different, home at 0."""
+    corners = np.union1d(0, heights)
+    if len(corners) > frames:
+        raise ValueError(f"expected at least {len(corners)} frames for the stops, got {frames}")
+    order = np.arange(len(corners))
+    rising = np.maximum.accumulate(np.round(frames * corners) - order)
+    rising = np.minimum(rising, frames - len(corners)) + order
+    return rising[np.searchsorted(corners, heights)].astype(int)
+
+
+def _heights(places: np.ndarray, heights: np.ndarray, frames: int) -> np.ndarray:
+    """How far every frame has come, when the given heights belong to the given places; upwards or downwards."""
+    places, heights = (np.append(places, 0), np.append(heights, 0)) if 0 not in places else (places, heights)
+    places, first = np.unique(places, return_index=True)
+    for sense in (1, -1):
+        climb = sense * (heights[first] - heights[first[0]]) % 1
+        if np.all(np.diff(climb) > 0):
+            even = np.interp(np.arange(frames), np.append(places, frames), np.append(climb, 1))
+            return (heights[first[0]] + sense * even) % 1
+    raise ValueError("the poses do not follow each other in the order that is asked for")
