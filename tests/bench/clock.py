@@ -1,5 +1,6 @@
 """Samplers: functions that do some work once and return what it cost, in seconds or bytes."""
 
+import os
 import subprocess
 import sys
 import time
@@ -10,6 +11,9 @@ from functools import wraps
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
+
+# Installed packages come with their bytecode; a source tree has to be allowed to keep its own.
+_ENVIRONMENT = {name: value for name, value in os.environ.items() if name != "PYTHONDONTWRITEBYTECODE"}
 
 Sampler = Callable[[], float]
 Setup = Callable[[int], Sampler]  # makes the sampler for a batch of so many problems
@@ -55,7 +59,7 @@ def importing(module: str) -> Setup:
 
 def _printed_number(arguments: list[str], limit: float | None = None) -> float:
     command = [sys.executable, *arguments]
-    run = subprocess.run(command, capture_output=True, text=True, check=True, cwd=ROOT, timeout=limit)
+    run = subprocess.run(command, capture_output=True, text=True, check=True, cwd=ROOT, env=_ENVIRONMENT, timeout=limit)
     return float(run.stdout.split()[-1])
 
 
