@@ -36,21 +36,26 @@ def parameters_of(linkage: Linkage, poses) -> np.ndarray:
 
 
 def _parameter_of(linkage: Linkage, target: np.ndarray, n: int) -> float:
-    """Search the whole turn, then let the secant rule settle where the gap is orthogonal to the motion."""
+    """One of the parameters from which the linkage was made, or else what a search along the whole turn finds."""
     size = extent(linkage)
 
     def gap(turn):
         difference = _matrices(linkage, turn) - target
         return (difference / np.array([1, 1, 1, size]))[..., :3, :].reshape(*np.shape(turn), 12)
 
-    turns = _even_turns(linkage)
+    known = [t for t in linkage.parameters if np.abs(gap(_turn(t))).max() < 1e-9]
+    root = _turn(known[0]) if known else _nearest_turn(gap, _even_turns(linkage))
+    if not np.abs(gap(root)).max() < 1e-6:
+        raise ValueError(f"the coupler does not pass through pose {n} of those given")
+    return float(known[0] if known else _parameter(root))
+
+
+def _nearest_turn(gap, turns: np.ndarray) -> float:
+    """Where a gap is least: the best of some turns, then settled where the gap is orthogonal to the motion."""
     best = turns[np.argmin((gap(turns) ** 2).sum(-1))]
     width = 1e-4 * min(best, 2 * np.pi - best) + 1e-9
     tangent = gap(best + width) - gap(best - width)
-    root = _secant(lambda turn: gap(turn) @ tangent, best - width, best + width)
-    if not np.abs(gap(root)).max() < 1e-6:
-        raise ValueError(f"the coupler does not pass through pose {n} of those given")
-    return np.inf if abs(np.sin(root / 2)) < 1e-9 else 1 / np.tan(root / 2)
+    return _secant(lambda turn: gap(turn) @ tangent, best - width, best + width)
 
 
 def _secant(function, a: float, b: float) -> float:
@@ -64,11 +69,16 @@ def _secant(function, a: float, b: float) -> float:
     return b
 
 
+def _turn(t):
+    """The turn from 0 to 2π with t = cot(½ turn)."""
+    return np.where(np.isinf(t), 0, 2 * np.arctan2(1, t))
+
+
 def _parameter(turn) -> np.ndarray:
     """The parameter t = cot(½ turn): a turn of 0 is t = ∞, a turn of 2π is t = −∞."""
     turn = np.asarray(turn, dtype=float)
     sine = np.sin(turn / 2)
-    home = np.abs(sine) < 1e-12
+    home = np.abs(sine) < 1e-10
     return np.where(home, np.inf, np.cos(turn / 2) / np.where(home, 1, sine))
 
 
@@ -125,12 +135,17 @@ def one_turn(linkage: Linkage, frames: int, stops=(), places=None) -> tuple[np.n
         If there are too few frames for the stops, or the stops do not follow each other as the places ask.
     """
     stops = np.asarray(stops, dtype=float)
-    knots = np.where(np.isinf(stops), 0, 2 * np.arctan2(1, stops))
+    knots = _turn(stops)
     turns = np.union1d(_even_turns(linkage), knots)
     travel = _travel(linkage, turns)
     heights = np.interp(knots, turns, travel)
-    places = _even_places(heights, frames) if places is None else np.asarray(places, dtype=int)
-    parameters = _parameter(np.interp(_heights(places, heights, frames), travel, turns))
+    if places is None:
+        places = _even_places(heights, frames)
+        climb = _heights(np.append(places, 0), np.append(heights, 0), frames)
+    else:
+        places = np.asarray(places, dtype=int)
+        climb = _heights(places, heights, frames)
+    parameters = _parameter(np.interp(climb, travel, turns))
     parameters[places] = np.where(knots == 0, np.inf, stops)
     return parameters, places
 
@@ -148,11 +163,11 @@ def _even_places(heights: np.ndarray, frames: int) -> np.ndarray:
 
 def _heights(places: np.ndarray, heights: np.ndarray, frames: int) -> np.ndarray:
     """How far every frame has come, when the given heights belong to the given places; upwards or downwards."""
-    places, heights = (np.append(places, 0), np.append(heights, 0)) if 0 not in places else (places, heights)
     places, first = np.unique(places, return_index=True)
+    since = (np.arange(frames) - places[0]) % frames
     for sense in (1, -1):
         climb = sense * (heights[first] - heights[first[0]]) % 1
         if np.all(np.diff(climb) > 0):
-            even = np.interp(np.arange(frames), np.append(places, frames), np.append(climb, 1))
+            even = np.interp(since, np.append(places - places[0], frames), np.append(climb, 1))
             return (heights[first[0]] + sense * even) % 1
     raise ValueError("the poses do not follow each other in the order that is asked for")

@@ -60,7 +60,8 @@ def bars(linkage: Linkage) -> np.ndarray:
     """The two ends of every link at home, on the axes that it joins.
 
     Link i joins the axes i and i + 1 (link 0 the last and the first).  Its ends are the feet of their common
-    perpendicular.  Where these feet run far away, the bars go straight between points that lie close together.
+    perpendicular.  Where these feet run far away, the bars go straight between points that lie close together;
+    where all axes meet, they go between points at one distance from there.
 
     Returns
     -------
@@ -70,8 +71,12 @@ def bars(linkage: Linkage) -> np.ndarray:
     points, directions = lines_of(linkage.axes)
     near = _near_points(points, directions)
     feet = _feet(near, directions)
+    origin = as_float(act(linkage.home, [0, 0, 0]))
+    if _radius(near) <= 1e-9 * np.abs(np.concatenate([near, [origin]])).max():
+        distance = np.linalg.norm(origin - near[0])
+        near = near + (distance if distance > 1e-9 * np.abs(near).max() else 1.0) * directions
     straight = np.stack([np.roll(near, 1, axis=0), near], axis=1)
-    return feet if _radius(feet) <= 3 * _radius(straight) else straight
+    return feet if 1e-6 < _radius(feet) / _radius(straight) <= 3 else straight
 
 
 def lines_of(axes: DualQuaternion) -> tuple[np.ndarray, np.ndarray]:
