@@ -1,0 +1,164 @@
+"""Drawings: on the axes that were given, in equal units, without titles, and true."""
+
+import matplotlib as mpl
+
+mpl.use("agg")
+
+import matplotlib.pyplot as plt
+import numpy as np
+import pytest
+from PIL import Image
+
+import kinlib as kl
+from kinlib import draw
+from kinlib.draw import (
+    draw_curve,
+    draw_frames,
+    draw_joint_angles,
+    draw_line,
+    draw_linkage,
+    draw_linkages,
+    draw_path,
+    draw_positions,
+    space_axes,
+    write_picture,
+)
+from kinlib.gallery import THREE_POSES
+
+
+@pytest.fixture(scope="module")
+def linkages():
+    return kl.goldberg_linkages(*THREE_POSES, (1, 2))
+
+
+@pytest.fixture(autouse=True)
+def _close():
+    yield
+    plt.close("all")
+
+
+@pytest.fixture
+def ax():
+    return space_axes()[0, 0]
+
+
+def limits(ax) -> np.ndarray:
+    return np.array([ax.get_xlim(), ax.get_ylim(), ax.get_zlim()])
+
+
+def contains(ax, points) -> bool:
+    low, high = limits(ax).T
+    return bool(np.all((low <= points) & (points <= high)))
+
+
+DRAWINGS = {
+    "linkage": lambda linkage, ax: draw_linkage(linkage, 0.5, ax),
+    "frames": lambda linkage, ax: draw_frames(THREE_POSES, ax, names=["a", "b", "c"]),
+    "curve": lambda linkage, ax: draw_curve([[0, 0, 0], [1, 2, 3]], ax),
+    "path": draw_path,
+    "line": lambda linkage, ax: draw_line(kl.Line.through([0, 0, 1], [1, 1, 1]), ax),
+    "positions": lambda linkage, ax: draw_positions(linkage, THREE_POSES, ax),
+}
+
+
+@pytest.mark.parametrize("name", DRAWINGS)
+def test_drawings_return_their_axes_in_equal_units(linkages, ax, name):
+    assert DRAWINGS[name](linkages[0], ax) is ax
+    assert ax.get_title() == ""
+    units = np.ptp(limits(ax), axis=1) / ax._box_aspect  # which matplotlib does not tell otherwise
+    np.testing.assert_allclose(units, units[0])
+
+
+@pytest.mark.parametrize("t", [np.inf, -2.0, 0, 1])
+def test_a_linkage_is_drawn_where_its_axes_are(monkeypatch, linkages, ax, t):
+    """At every axis, as the linkage itself has it at t, two rods lie on it at least: the sleeves of the joint."""
+    drawn = []
+    monkeypatch.setattr(draw, "_draw_pieces", lambda pieces, ax, opacity: drawn.extend(pieces))
+    for linkage in linkages:
+        drawn.clear()
+        draw_linkage(linkage, t, ax)
+        axes = kl.Line.from_dual_quaternion(linkage.configuration(t))
+        for direction, moment in zip(as_floats(axes.direction), as_floats(axes.moment), strict=True):
+            line = kl.Line(direction, moment)
+            on_it = [p for p in drawn if line.contains(p.start, rtol=1e-7) and line.contains(p.end, rtol=1e-7)]
+            assert len({p.link for p in on_it if np.any(p.start != p.end)}) >= 2
+
+
+def as_floats(values) -> np.ndarray:
+    return np.asarray(values, dtype=float)
+
+
+def test_nothing_is_cut_off(linkages, ax):
+    draw_frames(THREE_POSES, ax, size=0.5)
+    draw_path(linkages[0], ax)
+    draw_linkage(linkages[0], np.inf, ax)
+    origins = as_floats(kl.as_matrix(kl.DualQuaternion.stack(THREE_POSES)))[:, :3, 3]
+    assert contains(ax, origins)
+    draw_curve(np.array([[0.0, 0, 0], [30, 0, 0]]), ax)
+    assert contains(ax, np.array([[30.0, 0, 0]]))
+    assert contains(ax, origins)
+
+
+def test_a_path_passes_through_the_poses(linkages, ax):
+    draw_path(linkages[3], ax, point=(0, 0, 0))
+    path = np.transpose(ax.lines[0].get_data_3d())
+    origins = as_floats(kl.as_matrix(kl.DualQuaternion.stack(THREE_POSES)))[:, :3, 3]
+    gaps = np.linalg.norm(path[:, None] - origins, axis=2).min(axis=0)
+    assert gaps.max() < 0.05 * np.ptp(path)
+    np.testing.assert_allclose(path[0], path[-1])
+
+
+def test_a_line_is_drawn_where_it_is(ax):
+    line = kl.Line.through([0, 0, 1], [1, 1, 1])
+    draw_line(line, ax, centre=(5, 5, 0), length=3)
+    ends = np.transpose(ax.lines[0].get_data_3d())
+    assert np.linalg.norm(ends[1] - ends[0]) == pytest.approx(3)
+    np.testing.assert_allclose(ends.mean(axis=0), [5, 5, 1])
+
+
+def test_joint_angles_over_one_turn(linkages):
+    linkage = linkages[0]
+    _, ax = plt.subplots()
+    assert draw_joint_angles(linkage, ax) is ax
+    assert len(ax.lines) == len(linkage)
+    whole_turns = {tuple(np.round(line.get_ydata()[[0, -1]] / 360).astype(int)) for line in ax.lines}
+    assert whole_turns == {(0, -2), (0, -1)}
+    named = {number for text in ax.texts for number in text.get_text() if number.isdigit()}
+    assert named == {"1", "2", "3", "4", "5"}
+    assert ax.get_title() == ""
+    assert "degrees" in ax.get_ylabel()
+
+
+def test_equal_joint_angles_are_named_together(linkages):
+    """Joints 2 and 5 of the first linkage turn alike."""
+    t = np.linspace(-3, 3, 7)
+    angles = linkages[0].joint_angles(t)
+    same = np.allclose(angles[:, 1], angles[:, 4])
+    _, ax = plt.subplots()
+    draw_joint_angles(linkages[0], ax)
+    assert ("joints 2, 5" in [text.get_text() for text in ax.texts]) == same
+
+
+def test_linkages_side_by_side(linkages):
+    axes = draw_linkages(linkages, THREE_POSES)
+    assert axes.shape == (2, 4)
+    assert [ax.texts[-1].get_text() for ax in axes.flat] == [str(n) for n in range(1, 9)]
+    mine = space_axes(1, 2)
+    assert draw_linkages(linkages[:2], THREE_POSES, mine) is mine
+
+
+def test_a_picture_is_written_on_a_clear_background(linkages, tmp_path):
+    path = write_picture(tmp_path / "linkage.png", linkages[0], THREE_POSES, dpi=60)
+    picture = Image.open(path).convert("RGBA")
+    alpha = np.asarray(picture)[..., 3]
+    assert picture.width > 150
+    assert alpha.min() == 0
+    assert all(edge.max() > 0 for edge in (alpha[0], alpha[-1], alpha[:, 0], alpha[:, -1]))
+    assert plt.get_fignums() == []
+
+
+def test_the_background_is_the_page(ax):
+    assert ax.figure.patch.get_alpha() == 0
+    _, plain = plt.subplots()
+    draw_joint_angles(kl.bennett_linkage(*THREE_POSES), plain)
+    assert plain.patch.get_alpha() == plain.figure.patch.get_alpha() == 0
