@@ -26,9 +26,12 @@ def translation(v) -> DualQuaternion:
     1 + 2 εj
     """
     v = as_scalars(v)
-    components = np.zeros((8, *v.shape[:-1]), dtype=np.result_type(divide(v, 2)))
-    components[0], components[5:] = 1, np.moveaxis(divide(v, 2), -1, 0)
-    return DualQuaternion(np.moveaxis(components, 0, -1))
+    if v.shape[-1:] != (3,):
+        raise ValueError(f"expected vectors of shape (..., 3), got shape {v.shape}")
+    half = divide(v, 2)
+    components = np.zeros((8, *v.shape[:-1]), dtype=half.dtype)
+    components[0], components[5:] = 1, np.moveaxis(half, -1, 0)
+    return DualQuaternion.from_components(components)
 
 
 def half_turn(line: Line) -> DualQuaternion:
@@ -44,7 +47,8 @@ def rotation(line: Line, angle) -> DualQuaternion:
     line : Line
         The axis; its orientation gives the sense of the rotation.
     angle : float, array or SymPy expression
-        In radians, counter-clockwise when the axis points at the viewer.
+        In radians, counter-clockwise when the axis points at the viewer.  An expression keeps an exact line
+        exact; with any other angle the result is in floats, since sine and cosine leave the rational numbers.
 
     Examples
     --------
@@ -52,12 +56,13 @@ def rotation(line: Line, angle) -> DualQuaternion:
     >>> rotation(Line([0, 0, 1], [0, 0, 0]), sympy.pi / 3)
     sqrt(3)/2 + 1/2 k
     """
-    half = divide(angle, 2) if hasattr(angle, "free_symbols") else np.asarray(angle) / 2
-    if hasattr(half, "free_symbols"):
-        from sympy import cos, sin
+    h = half_turn(line)
+    if hasattr(angle, "free_symbols"):
+        from sympy import cos, sin, sqrt, sympify
 
-        return unit(half_turn(line)) * sin(half) + cos(half)
-    return unit(half_turn(line)) * np.sin(half) + np.cos(half)
+        return h / sqrt(sympify(null_form(h, h))) * sin(angle / 2) + cos(angle / 2)
+    half = as_float(as_scalars(angle)) / 2
+    return unit(h.astype(float)) * np.sin(half) + np.cos(half)
 
 
 def unit(q: DualQuaternion) -> DualQuaternion:
@@ -68,12 +73,16 @@ def unit(q: DualQuaternion) -> DualQuaternion:
     square = null_form(q, q)
     if not is_exact(q.components):
         return q / np.sqrt(square)
-    root = _rational_root(square)
-    return q if root is None else q / root
+    return q / np.frompyfunc(_rational_root, 1, 1)(square)
 
 
 def axis_of(h: DualQuaternion) -> DualQuaternion:
     """The half-turn about the axis of a rotation; what rounding has added to a line is taken away.
+
+    Raises
+    ------
+    DegenerateError
+        If there is no axis: for the identity and for translations.
 
     Examples
     --------
@@ -83,16 +92,18 @@ def axis_of(h: DualQuaternion) -> DualQuaternion:
     components = h.components.copy()
     components[[0, 4]] = 0
     v = DualQuaternion.from_components(components)
+    if np.any(is_zero(null_form(v, v), rtol=0)):
+        raise DegenerateError("the primal part is a number: the identity and translations have no axis")
     return unit(v - eps_times(v) * divide(study_form(v, v), 2 * null_form(v, v)))
 
 
 def _rational_root(square):
-    """The root of an exact number if it lies in the same field, else None."""
+    """The root of an exact number if it lies in the same field, else 1."""
     try:
         root = square_root(square)
     except (TypeError, ValueError):
-        return None
-    return root if type(root) in (type(divide(square, 1)), type(square)) else None
+        return 1
+    return root if type(root) in (type(divide(square, 1)), type(square)) else 1
 
 
 def _point_formula(q, x):
@@ -163,8 +174,10 @@ def act(q: DualQuaternion, x):
 
 
 def _divisible(q: DualQuaternion) -> np.ndarray:
-    """Components that may be divided by: whole numbers as fractions."""
-    return divide(q.components, 1)
+    """Components of a pose, whose primal part must not vanish; whole numbers as fractions."""
+    if np.any(is_zero(null_form(q, q), rtol=0)):
+        raise DegenerateError("the point lies in the exceptional three-space (primal part zero): it moves nothing")
+    return q.components if q.components.dtype.kind in "fc" else divide(q.components, 1)
 
 
 def as_matrix(q: DualQuaternion) -> np.ndarray:
@@ -201,6 +214,7 @@ def from_matrix(matrix, *, rtol: float = RTOL) -> DualQuaternion:
     matrix = as_scalars(matrix)
     if matrix.shape[-2:] != (4, 4):
         raise ValueError(f"expected matrices of shape (..., 4, 4), got {matrix.shape}")
+    _check_finite(matrix)
     R, last = matrix[..., :3, :3], matrix[..., 3, :]
     _check_rotation(R, last, rtol)
     outer = _outer_square(R)
@@ -209,6 +223,11 @@ def from_matrix(matrix, *, rtol: float = RTOL) -> DualQuaternion:
     primal = np.take_along_axis(outer, best, axis=-2)[..., 0, :]
     p = unit(DualQuaternion(np.concatenate([primal, np.zeros_like(primal)], axis=-1)))
     return translation(matrix[..., :3, 3]) * p
+
+
+def _check_finite(numbers: np.ndarray) -> None:
+    if numbers.dtype.kind in "fc" and not np.all(np.isfinite(numbers)):
+        raise ValueError("expected finite numbers, got NaN or infinity")
 
 
 def _check_rotation(R: np.ndarray, last: np.ndarray, rtol: float) -> None:
@@ -262,18 +281,17 @@ def as_pose(x, *, rtol: float = RTOL) -> DualQuaternion:
     >>> as_pose(1 + eps)
     Traceback (most recent call last):
     ...
-    ValueError: expected a point of the Study quadric, p d̄ + d p̄ = 0; study_projection gives the nearest one
+    ValueError: expected a point of the Study quadric, p d̄ + d p̄ = 0; study_projection gives one
     """
     if hasattr(x, "as_matrix"):
         return from_rigid_transform(x)
     q = x if isinstance(x, DualQuaternion) else from_matrix(x, rtol=rtol)
-    if q.components.dtype.kind in "fc" and not np.all(np.isfinite(q.components)):
-        raise ValueError("expected finite coefficients, got NaN or infinity")
+    _check_finite(q.components)
     if np.any(is_zero(null_form(q, q), rtol=0)):
         raise DegenerateError(
             "the point lies in the exceptional three-space: its primal part is zero, so it is no pose"
         )
     p, d = size(q.coeffs[..., :4], -1), size(q.coeffs[..., 4:], -1)
     if not np.all(is_zero(study_form(q, q), p * d, rtol)):
-        raise ValueError("expected a point of the Study quadric, p d̄ + d p̄ = 0; study_projection gives the nearest one")
+        raise ValueError("expected a point of the Study quadric, p d̄ + d p̄ = 0; study_projection gives one")
     return q

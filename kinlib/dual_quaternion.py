@@ -9,10 +9,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
+from itertools import accumulate
 
 import numpy as np
 
-from kinlib.scalar import as_scalars, divide, is_zero, narrow, promote
+from kinlib.scalar import as_scalars, divide, is_scalar, is_zero, promote
 
 __all__ = ["DualQuaternion", "eps", "i", "j", "k", "one"]
 
@@ -74,8 +75,8 @@ class DualQuaternion:
         >>> DualQuaternion.stack([i, j, k]).shape
         (3,)
         """
-        components = np.broadcast_arrays(*[item.components for item in items])
-        return cls.from_components(np.stack(components, axis=axis + 1 if axis >= 0 else axis))
+        coeffs = np.broadcast_arrays(*promote(*[item.coeffs for item in items]))
+        return cls.from_components(np.moveaxis(np.stack(coeffs, axis=axis if axis >= 0 else axis - 1), -1, 0))
 
     @property
     def components(self) -> np.ndarray:
@@ -124,7 +125,7 @@ class DualQuaternion:
         p, d = self._components[:4], self._components[4:]
         norm = np.zeros_like(self._components)
         norm[0], norm[4] = (p * p).sum(axis=0), 2 * (p * d).sum(axis=0)
-        return self.from_components(_settled(norm))
+        return self.from_components(norm)
 
     def inverse(self) -> DualQuaternion:
         """q⁻¹ = q̄ / (q q̄).
@@ -175,7 +176,9 @@ class DualQuaternion:
 
     def __add__(self, other) -> DualQuaternion:
         if isinstance(other, DualQuaternion):
-            return self.from_components(_settled(_aligned_sum(self._components, other._components)))
+            return self.from_components(_aligned_sum(self._components, other._components))
+        if not is_scalar(other):
+            return NotImplemented
         return self + _embedded(other)
 
     def __neg__(self) -> DualQuaternion:
@@ -183,7 +186,9 @@ class DualQuaternion:
 
     def __sub__(self, other) -> DualQuaternion:
         if isinstance(other, DualQuaternion):
-            return self.from_components(_settled(_aligned_sum(self._components, -other._components)))
+            return self.from_components(_aligned_sum(self._components, -other._components))
+        if not is_scalar(other):
+            return NotImplemented
         return self - _embedded(other)
 
     def __rsub__(self, other) -> DualQuaternion:
@@ -192,7 +197,9 @@ class DualQuaternion:
     def __mul__(self, other) -> DualQuaternion:
         if isinstance(other, DualQuaternion):
             return self.from_components(_product(self._components, other._components))
-        return self.from_components(_settled(_scaled(self._components, as_scalars(other))))
+        if not is_scalar(other):
+            return NotImplemented
+        return self.from_components(_scaled(self._components, as_scalars(other)))
 
     def __rmul__(self, scalar) -> DualQuaternion:
         return self * scalar  # a scalar commutes with everything; dual quaternions never come here
@@ -202,6 +209,8 @@ class DualQuaternion:
     def __truediv__(self, other) -> DualQuaternion:
         if isinstance(other, DualQuaternion):
             return self * other.inverse()
+        if not is_scalar(other):
+            return NotImplemented
         scalar = as_scalars(other)
         components = self._components if scalar.ndim == 0 else _aligned(self._components, scalar[None])
         return self.from_components(divide(*components) if scalar.ndim else divide(components, scalar[()]))
@@ -215,9 +224,12 @@ class DualQuaternion:
 
     def __eq__(self, other):
         """Whether all coefficients agree (not: whether the points of P⁷ do); one answer a batch entry."""
-        if isinstance(other, (str, type(None))):
+        if not isinstance(other, DualQuaternion) and not is_scalar(other):
             return NotImplemented
-        difference = self - other
+        try:
+            difference = self - other
+        except TypeError:
+            return NotImplemented
         equal = np.asarray(is_zero(difference._components, rtol=0)).all(axis=0)
         return bool(equal) if difference.shape == () else equal
 
@@ -251,8 +263,13 @@ def _term(coefficient, unit: str) -> str:
         return text
     if text in ("1", "-1"):
         return text.replace("1", unit)
-    compound = " " in text and not text.startswith("(")
-    return f"({text}) {unit}" if compound else f"{text} {unit}"
+    return f"({text}) {unit}" if _is_sum(text) else f"{text} {unit}"
+
+
+def _is_sum(text: str) -> bool:
+    """Whether there is a space outside all brackets."""
+    depths = accumulate((c == "(") - (c == ")") for c in text)
+    return any(depth == 0 and c == " " for c, depth in zip(text, depths, strict=True))
 
 
 def _embedded(scalar) -> DualQuaternion:
@@ -261,11 +278,6 @@ def _embedded(scalar) -> DualQuaternion:
     components = np.zeros((8, *array.shape), dtype=array.dtype)
     components[0] = array
     return DualQuaternion.from_components(components)
-
-
-def _settled(components: np.ndarray) -> np.ndarray:
-    """The result of an operation; whole numbers that grew are kept from overflowing in the next one."""
-    return narrow(components) if components.dtype.kind == "i" else components
 
 
 def _signed(components: np.ndarray, signs) -> np.ndarray:
@@ -311,14 +323,10 @@ def _product_formula(a, b):
 
 def _product(a: np.ndarray, b: np.ndarray) -> np.ndarray:
     """The product of component arrays (8, ...) and (8, ...), batches broadcast."""
-    a, b = promote(a, b)
     if a.ndim == b.ndim == 1:
-        return _packed(_product_formula(a.tolist(), b.tolist()), np.result_type(a, b))
+        values = _product_formula(a.tolist(), b.tolist())
+        return np.array(values, dtype=a.dtype) if a.dtype == b.dtype else as_scalars(values)
     return blockwise(_product_formula, a, b, rows=8)
-
-
-def _packed(values, dtype) -> np.ndarray:
-    return as_scalars(values) if dtype.kind == "i" else np.array(values, dtype=dtype)
 
 
 def blockwise(formula, *operands: np.ndarray, rows: int) -> np.ndarray:
@@ -337,6 +345,7 @@ def blockwise(formula, *operands: np.ndarray, rows: int) -> np.ndarray:
     -------
     numpy.ndarray, shape (rows, ...)
     """
+    operands = promote(*operands)
     shape = np.broadcast_shapes(*[x.shape[1:] for x in operands])
     total, dtype = math.prod(shape), np.result_type(*operands)
     operands = [x if x.ndim == 1 else _flat(x, shape, total) for x in operands]
@@ -346,7 +355,7 @@ def blockwise(formula, *operands: np.ndarray, rows: int) -> np.ndarray:
         values = formula(*[x if x.ndim == 1 else x[:, block] for x in operands])
         for row, value in zip(result, values, strict=True):
             row[block] = value
-    return _settled(result.reshape(rows, *shape))
+    return result.reshape(rows, *shape)
 
 
 def _flat(x: np.ndarray, shape: tuple[int, ...], total: int) -> np.ndarray:

@@ -8,7 +8,9 @@ irrational step; it is done in :func:`quadratic_factors`.
 
 from __future__ import annotations
 
+from fractions import Fraction
 from itertools import permutations
+from numbers import Rational
 
 import numpy as np
 
@@ -19,6 +21,8 @@ from kinlib.number_field import NumberField, NumberFieldElement, square_root
 from kinlib.scalar import as_float, as_scalars, divide, is_exact, is_zero, size
 
 __all__ = ["bennett_flip", "factorizations", "factorize", "quadratic_factors", "quadratic_of"]
+
+REAL_ROOT = "the polynomial has a real root: the motion passes through the exceptional space"
 
 
 def quadratic_factors(polynomial) -> np.ndarray:
@@ -51,13 +55,19 @@ def quadratic_factors(polynomial) -> np.ndarray:
     [1, Fraction(0, 1), 3/2 - 1/2*a]
     """
     polynomial = as_scalars(polynomial)
-    if polynomial.shape[-1] < 3 or polynomial.shape[-1] % 2 == 0:
-        raise ValueError(f"expected a polynomial of even degree, got {polynomial.shape[-1]} coefficients")
+    if polynomial.ndim == 0 or polynomial.shape[-1] % 2 == 0:
+        raise ValueError(f"expected 2n+1 coefficients of a polynomial of even degree, got shape {polynomial.shape}")
+    if polynomial.dtype.kind == "c":
+        raise ValueError("expected real coefficients, got complex ones")
+    if np.any(is_zero(polynomial[..., 0], rtol=0)):
+        raise ValueError("expected a leading coefficient other than zero")
+    if polynomial.ndim == 1 and polynomial.dtype.kind == "f" and not np.all(np.isfinite(polynomial)):
+        raise ValueError("expected finite coefficients, got NaN or infinity")
     if not is_exact(polynomial):
         return _split_floats(as_float(polynomial))
     rows = polynomial.reshape(-1, polynomial.shape[-1])
     factors = np.array([_split_exact(row) for row in rows], dtype=object)
-    return factors.reshape(*polynomial.shape[:-1], -1, 3)
+    return factors.reshape(*polynomial.shape[:-1], polynomial.shape[-1] // 2, 3)
 
 
 def _split_floats(polynomial: np.ndarray) -> np.ndarray:
@@ -76,56 +86,68 @@ def upper_roots(polynomial: np.ndarray) -> np.ndarray:
     roots = np.linalg.eigvals(np.where(defined[..., None], companion, np.eye(degree)))
     upper = np.take_along_axis(roots, np.argsort(-roots.imag, axis=-1)[..., : degree // 2], -1)
     if np.any(defined & (upper.imag <= 0)):
-        raise DegenerateError("the polynomial has a real root: the motion passes through the exceptional space")
+        raise DegenerateError(REAL_ROOT)
     unit = np.abs(roots).max(axis=-1, keepdims=True)
     order = np.lexsort((upper.imag, np.round(upper.real / unit, 9)), axis=-1)
     return np.where(defined, np.take_along_axis(upper, order, -1), np.nan)
 
 
-def _split_exact(row: np.ndarray) -> np.ndarray:
+def _split_exact(row: np.ndarray) -> list[list]:
+    if any(getattr(c, "free_symbols", None) for c in row):
+        return _split_symbols(row)
     from sympy import QQ, Poly, Symbol
 
     field = next((c.field for c in row if isinstance(c, NumberFieldElement)), None)
-    if any(getattr(c, "free_symbols", None) for c in row):
-        factors = Poly(list(row), Symbol("t")).factor_list()[1]
-    else:
-        domain = field.domain if field else QQ
-        factors = Poly([_in_domain(c, field) for c in row], Symbol("t"), domain=domain).factor_list()[1]
-    split = [pair for factor, power in factors for pair in _split_irreducible(factor.monic(), field) * power]
-    if not any(getattr(c, "free_symbols", None) for c in row):
-        split.sort(key=lambda pair: (-float(pair[1]), float(pair[2])))
-    return np.array(split, dtype=object)
+    polynomial = Poly([_in_domain(c, field) for c in row], Symbol("t"), domain=field.domain if field else QQ)
+    split = []
+    for factor, power in polynomial.factor_list()[1]:
+        coefficients = [_out_of_domain(c, field) for c in factor.monic().rep.to_list()]
+        split += _split_irreducible(coefficients, field) * power
+    if any(b * b - 4 * c >= 0 for _, b, c in split):
+        raise DegenerateError(REAL_ROOT)
+    return sorted(split, key=lambda quadratic: (-float(quadratic[1]), float(quadratic[2])))
+
+
+def _split_symbols(row: np.ndarray) -> list[list]:
+    """The factors over the rational functions of the symbols; all of them must be quadratic there."""
+    from sympy import Poly, Symbol
+
+    factors = [(f.monic().all_coeffs(), power) for f, power in Poly(list(row), Symbol("t")).factor_list()[1]]
+    if any(len(coefficients) != 3 for coefficients, _ in factors):
+        raise ValueError(
+            "the polynomial has no quadratic factors with rational functions of the symbols as coefficients"
+        )
+    return [coefficients for coefficients, power in factors for _ in range(power)]
 
 
 def _in_domain(c, field: NumberField | None):
     from sympy import QQ
 
-    if isinstance(c, NumberFieldElement):
+    if isinstance(c, NumberFieldElement) and c.field == field:
         return c.value
+    if not isinstance(c, Rational):
+        raise ValueError(f"expected rational numbers or numbers of one field ℚ(a), got {c!r}")
     rational = QQ(int(c.numerator), int(c.denominator))
     return field.domain(rational) if field else rational
 
 
-def _split_irreducible(factor, field: NumberField | None) -> list[list]:
-    coefficients = [_out_of_domain(c, field) for c in factor.rep.to_list()]
-    if factor.degree() == 1 or (factor.degree() == 2 and factor.domain.is_QQ and factor.count_roots()):
-        raise DegenerateError("the polynomial has a real root: the motion passes through the exceptional space")
-    if factor.degree() == 2:
+def _split_irreducible(coefficients: list, field: NumberField | None) -> list[list]:
+    """Quadratic factors of an irreducible monic polynomial."""
+    degree = len(coefficients) - 1
+    if degree == 1:
+        raise DegenerateError(REAL_ROOT)
+    if degree == 2:
         return [coefficients]
-    if factor.degree() == 4 and field is None:
+    if degree == 4 and field is None:
         return _split_quartic(*coefficients[1:])
     raise ValueError(
-        f"the factors of an irreducible polynomial of degree {factor.degree()} over {field or 'ℚ'} need a number "
-        "field that is too large to be of use: convert the coefficients to floats"
+        f"the factors of an irreducible polynomial of degree {degree} over {field or 'ℚ'} need a number field that is "
+        "too large to be of use: convert the coefficients to floats"
     )
 
 
 def _out_of_domain(c, field: NumberField | None):
-    from fractions import Fraction
-
-    if field is not None:
-        return NumberFieldElement(field, c)
-    return Fraction(int(c.numerator), int(c.denominator)) if hasattr(c, "numerator") else c.as_expr()
+    return NumberFieldElement(field, c) if field else Fraction(int(c.numerator), int(c.denominator))
 
 
 def _split_quartic(c3, c2, c1, c0) -> list[list]:
@@ -150,15 +172,10 @@ def _split_quartic(c3, c2, c1, c0) -> list[list]:
 def _largest_real_root(coefficients: list):
     from sympy import CRootOf, Poly, Symbol
 
-    polynomial = Poly([_in_domain(c, None) for c in as_fractions(coefficients)], Symbol("a"), domain="QQ")
+    polynomial = Poly([_in_domain(c, None) for c in coefficients], Symbol("a"), domain="QQ")
     factors = [factor for factor, _ in polynomial.factor_list()[1] if factor.count_roots()]
     largest = max((CRootOf(f, f.count_roots() - 1, radicals=False) for f in factors), key=float)
     return _out_of_domain_root(largest)
-
-
-def as_fractions(values) -> list:
-    """Exact rationals with numerator and denominator."""
-    return [divide(x, 1) for x in values]
 
 
 def _out_of_domain_root(root):
@@ -197,6 +214,8 @@ def factorizations(C: MotionPolynomial) -> list[tuple[DualQuaternion, ...]]:
     8/5 i + 6/5 j - 18/25 εi + 24/25 εj | -3/5 i + 4/5 j - 32/25 εi - 24/25 εj
     """
     check_monic(C)
+    if C.degree == 0:
+        return [()]
     quadratics = quadratic_factors(C.norm_polynomial())
     orders = list(permutations(range(C.degree)))
     factors = factor_in_orders(C, quadratics, orders)

@@ -21,7 +21,7 @@ from kinlib.errors import report_faults
 from kinlib.factorization import bennett_flip
 from kinlib.interpolation import is_tangent
 from kinlib.linkage import Linkage
-from kinlib.scalar import as_scalars, divide, is_zero, size
+from kinlib.scalar import as_scalars, divide, is_zero
 from kinlib.study import null_form
 from kinlib.three_poses import FAULTS as POSE_FAULTS
 from kinlib.three_poses import TANGENT, masked, pairs_through, relative
@@ -193,7 +193,7 @@ def _faults(z1: _Plane, z2: _Plane, solved, s1, s2, nB) -> np.ndarray:
     real1, real2 = is_zero(w1.y, scale1, NEAR), is_zero(w2.y, scale2, NEAR)
     parallel = is_zero(determinant, scale1 * scale2, NEAR)
     on_side = is_zero(z2.y, length, NEAR)
-    misses_1 = is_zero(s1[1] - z2.x, size([s1[1], z2.x], 0), 1e-6)
+    misses_1 = is_zero(s1[1] - z2.x, abs(s1[1]) + abs(z2.x), 1e-6)
     quadratics = [(z.x, z.square()) for z in (z1, z2)]
     conditions = [
         (is_zero(z1.y, np.sqrt(np.asarray(z1.square()).astype(float)), NEAR), REAL),

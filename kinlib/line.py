@@ -40,9 +40,7 @@ class Line:
     moment: np.ndarray
 
     def __post_init__(self):
-        direction, moment = np.broadcast_arrays(as_scalars(self.direction), as_scalars(self.moment))
-        if direction.ndim == 0 or direction.shape[-1] != 3:
-            raise ValueError(f"expected direction and moment of shape (..., 3), got {direction.shape}")
+        direction, moment = np.broadcast_arrays(_vectors(self.direction), _vectors(self.moment))
         if np.any(np.all(is_zero(direction, rtol=0), axis=-1)):
             raise ValueError("expected a direction that is not zero")
         product = _dot(direction, moment)[..., 0]
@@ -54,7 +52,7 @@ class Line:
     @classmethod
     def through(cls, a, b) -> Line:
         """The line from point a to point b, of shape (..., 3)."""
-        a, b = as_scalars(a), as_scalars(b)
+        a, b = _vectors(a), _vectors(b)
         return cls(b - a, np.cross(a, b - a))
 
     @classmethod
@@ -66,7 +64,7 @@ class Line:
         >>> Line.at([0, 0, 1], [1, 0, 0]).moment.tolist()
         [0, 1, 0]
         """
-        point, direction = as_scalars(point), as_scalars(direction)
+        point, direction = _vectors(point), _vectors(direction)
         return cls(direction, np.cross(point, direction))
 
     @classmethod
@@ -104,8 +102,19 @@ class Line:
         >>> Line.at([0, 0, 0], [1, 0, 0]).distance(Line.at([0, 0, 3], [0, 2, 0]))
         Fraction(3, 1)
         """
-        first, second = common_perpendicular(self, other)
+        if self.direction.ndim == 1 and np.all(_are_parallel(self, other)):
+            first = self.foot()
+            second = other.foot(first)
+        else:
+            first, second = common_perpendicular(self, other)
         return square_root(_dot(first - second, first - second)[..., 0])
+
+
+def _vectors(x) -> np.ndarray:
+    array = as_scalars(x)
+    if array.ndim == 0 or array.shape[-1] != 3:
+        raise ValueError(f"expected vectors of shape (..., 3), got shape {array.shape}")
+    return array
 
 
 def _read_only(array: np.ndarray) -> np.ndarray:
@@ -134,12 +143,15 @@ def common_perpendicular(first: Line, second: Line) -> tuple[np.ndarray, np.ndar
     >>> [[int(x) for x in foot] for foot in feet]
     [[5, 0, 0], [5, 0, 3]]
     """
-    l, k = first.direction, second.direction
-    normal = np.cross(l, k)
-    parallel = is_zero(normal, np.expand_dims(size(l, -1) * size(k, -1), -1), rtol=1e-14)
-    if np.any(np.all(parallel, axis=-1)):
+    if np.any(_are_parallel(first, second)):
         raise DegenerateError("the lines are parallel: their common perpendicular is not determined")
+    normal = np.cross(first.direction, second.direction)
     return _foot(first, second, normal), _foot(second, first, normal)
+
+
+def _are_parallel(first: Line, second: Line):
+    l, k = first.direction, second.direction
+    return np.all(is_zero(np.cross(l, k), np.expand_dims(size(l, -1) * size(k, -1), -1), rtol=1e-14), axis=-1)
 
 
 def _dot(x: np.ndarray, y: np.ndarray) -> np.ndarray:

@@ -139,8 +139,9 @@ class Linkage:
     def link_displacements(self, t) -> DualQuaternion:
         """The displacements of all links from t = ∞ to t; shape (..., n), t broadcasts against the batch."""
         turns = [_turn(self.joint_factors(n), t) for n in range(len(self) - 1)]
-        links = [*accumulate(turns, lambda link, turn: unit(link * turn), initial=one)]
-        shape = np.broadcast_shapes(*[link.shape for link in links])
+        start = self.factors[0] * 0 + 1  # the identity, in scalars of the linkage's kind
+        links = accumulate(turns, lambda link, turn: unit(link * turn), initial=start)
+        shape = np.broadcast_shapes(self.shape, np.shape(t))
         return DualQuaternion.stack([_broadcast(link, shape) for link in links], axis=-1)
 
     def configuration(self, t) -> DualQuaternion:
@@ -180,13 +181,13 @@ class Linkage:
         moment among the axes besides.
         """
         factors = [_broadcast(f, self.shape) for f in self.factors]
-        product = np.stack([c.components[1:] for c in product_of(factors)], axis=-1)
+        product = DualQuaternion.stack(product_of(factors), axis=-1).coeffs[..., 1:]
         if is_exact(product) and np.all(is_zero(product)):
             return _plain(np.zeros(self.shape))
         primal = [as_float(np.sqrt(as_float(null_form(f, f)))) for f in factors]
-        bound = reduce(lambda total, r: _times_linear(total, r), primal, np.ones((*self.shape, 1)))
+        bound = reduce(_times_linear, primal, np.ones((*self.shape, 1)))
         length = np.max([size(f.components[4:], 0) / r for f, r in zip(factors, primal, strict=True)], axis=0)
-        turning, shifting = size(product[:3], 0) / bound, size(product[3:], 0) / bound
+        turning, shifting = size(product[..., :3], -1) / bound, size(product[..., 3:], -1) / bound
         with np.errstate(invalid="ignore", divide="ignore"):
             shifting = np.where(shifting == 0, 0, shifting / length[..., None])
         return _plain(np.maximum(turning, shifting).max(axis=-1))

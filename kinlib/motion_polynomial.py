@@ -9,7 +9,7 @@ import numpy as np
 
 from kinlib.dual_quaternion import DualQuaternion, one
 from kinlib.errors import DegenerateError
-from kinlib.scalar import RTOL, as_scalars, divide, is_infinite, is_zero, size
+from kinlib.scalar import RTOL, as_scalars, divide, is_infinite, is_zero, promote, size
 from kinlib.study import null_form, study_form
 
 __all__ = ["MotionPolynomial", "RationalCurve", "evaluate", "linear_factor", "multiply"]
@@ -27,14 +27,22 @@ class RationalCurve:
 
     coeffs: np.ndarray
 
+    def __post_init__(self):
+        coeffs = as_scalars(self.coeffs)
+        if coeffs.ndim < 2 or coeffs.shape[-1] != 4:
+            raise ValueError(f"expected coefficients of shape (..., m+1, 4), got {coeffs.shape}")
+        coeffs.setflags(write=False)
+        object.__setattr__(self, "coeffs", coeffs)
+
     @property
     def degree(self) -> int:
         """The formal degree m of the coordinates."""
         return self.coeffs.shape[-2] - 1
 
     def __call__(self, t) -> np.ndarray:
-        """The points at parameter values t, shape (..., 3)."""
-        w, *x = np.moveaxis(_evaluate(self.coeffs, t), -1, 0)
+        """The points at parameter values t, shape (..., 3); t broadcasts against the batch."""
+        rows = [self.coeffs[..., n, :] for n in range(self.degree + 1)]
+        w, *x = np.moveaxis(evaluate(rows, np.expand_dims(t, -1) if np.ndim(t) else t), -1, 0)
         return np.stack([divide(y, w) for y in x], axis=-1)
 
 
@@ -55,22 +63,27 @@ class MotionPolynomial:
     True
     """
 
-    __slots__ = ("coefficients",)
+    __slots__ = ("_coefficients",)
     __hash__ = None
     __array_ufunc__ = None
 
     def __init__(self, coeffs):
         array = as_scalars(coeffs)
-        if array.ndim < 2 or array.shape[-1] != 8:
+        if array.ndim < 2 or array.shape[-1] != 8 or array.shape[-2] == 0:
             raise ValueError(f"expected coefficients of shape (..., n+1, 8), got {array.shape}")
-        self.coefficients = tuple(DualQuaternion(array[..., n, :]) for n in range(array.shape[-2]))
+        self._coefficients = tuple(DualQuaternion(array[..., n, :]) for n in range(array.shape[-2]))
 
     @classmethod
     def from_coefficients(cls, coefficients) -> MotionPolynomial:
         """The polynomial with these dual quaternions as coefficients, highest power first."""
         self = object.__new__(cls)
-        self.coefficients = tuple(coefficients)
+        self._coefficients = tuple(coefficients)
         return self
+
+    @property
+    def coefficients(self) -> tuple[DualQuaternion, ...]:
+        """c_n, …, c_0, each of the shape of the batch (or of one that broadcasts to it)."""
+        return self._coefficients
 
     @property
     def coeffs(self) -> np.ndarray:
@@ -159,6 +172,7 @@ class MotionPolynomial:
         >>> quotient == linear_factor(i), remainder == 0
         (True, True)
         """
+        divisor = _polynomial(divisor)
         inverse = divisor.leading.inverse()
         rest, quotient = list(self.coefficients), []
         for n in range(self.degree - divisor.degree + 1):
@@ -171,9 +185,11 @@ class MotionPolynomial:
 
     def __eq__(self, other):
         """Whether all coefficients agree; one answer a batch entry."""
-        if isinstance(other, (str, type(None))):
+        try:
+            difference = self - other
+        except TypeError:
             return NotImplemented
-        equal = reduce(np.logical_and, [c == 0 for c in (self - other).coefficients])
+        equal = reduce(np.logical_and, [c == 0 for c in difference.coefficients])
         return bool(equal) if np.ndim(equal) == 0 else equal
 
     def __ne__(self, other):
@@ -182,7 +198,10 @@ class MotionPolynomial:
 
     def __getitem__(self, index) -> MotionPolynomial:
         """Entries of the batch."""
-        return MotionPolynomial(self.coeffs[index])
+        if not self.shape:
+            raise TypeError("a single motion polynomial has no entries; its coefficients are in .coefficients")
+        index = index if isinstance(index, tuple) else (index,)
+        return MotionPolynomial(self.coeffs[(*index, Ellipsis, slice(None), slice(None))])
 
     def __repr__(self) -> str:
         if self.shape:
@@ -215,10 +234,11 @@ class MotionPolynomial:
         >>> (C * MotionPolynomial([one.coeffs, (2 * one).coeffs])).same_motion(C)
         True
         """
-        product = self.conjugate() * other
-        coeffs = product.coeffs
-        vector = np.delete(coeffs, (0, 4), axis=-1)
-        return bool(np.all(is_zero(vector, size(coeffs), rtol)))
+        coeffs = (self.conjugate() * other).coeffs
+        (p, d), (r, e) = ((size(C.coeffs[..., :4]), size(C.coeffs[..., 4:])) for C in (self, other))
+        turning = is_zero(coeffs[..., 1:4], p * r, rtol)
+        shifting = is_zero(coeffs[..., 5:], p * e + d * r, rtol)
+        return bool(np.all(turning) and np.all(shifting))
 
 
 def linear_factor(h: DualQuaternion) -> MotionPolynomial:
@@ -271,17 +291,17 @@ def evaluate(coefficients, t) -> DualQuaternion:
     infinite = np.isinf(t) if np.asarray(t).dtype.kind in "fc" else is_infinite(t)
     if np.ndim(t) == 0 and infinite:
         return coefficients[0]
-    finite = np.where(infinite, 0, t) if np.ndim(t) else t
-    value = reduce(lambda total, c: total * finite + c, coefficients)
     if not np.any(infinite):
-        return value
-    keep = np.where(infinite, 0, 1)
-    return value * keep + coefficients[0] * (1 - keep)
+        return reduce(lambda total, c: total * t + c, coefficients)
+    finite = np.where(infinite, 0.0, t)
+    value = reduce(lambda total, c: total * finite + c, coefficients)
+    return value * np.where(infinite, 0.0, 1.0) + coefficients[0] * np.where(infinite, 1.0, 0.0)
 
 
 def _evaluate(coeffs: np.ndarray, t) -> np.ndarray:
     """One polynomial with coefficients (n+1, m) at an array of parameters: (..., m), as a matrix product."""
-    t, degree = as_scalars(t), len(coeffs) - 1
+    coeffs, t = promote(coeffs, as_scalars(t))
+    degree = len(coeffs) - 1
     infinite = np.isinf(t) if t.dtype.kind in "fc" else np.zeros(t.shape, dtype=bool)
     finite = np.where(infinite, 0, t) if infinite.any() else t
     powers = np.empty((*t.shape, degree + 1), dtype=t.dtype)

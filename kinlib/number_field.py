@@ -65,6 +65,9 @@ class NumberField:
             self._digits[digits] = self.root.evalf(digits)
         return self._digits[digits]
 
+    def __reduce__(self):
+        return NumberField, (self.root,)
+
     def __eq__(self, other) -> bool:
         return isinstance(other, NumberField) and self.root == other.root
 
@@ -129,15 +132,24 @@ class NumberFieldElement:
         return self._operate(other, lambda x, y: x * y)
 
     def __truediv__(self, other):
+        if not other:
+            raise ZeroDivisionError("division by zero")
         return self._operate(other, lambda x, y: x / y)
 
     def __rtruediv__(self, other):
+        if not self:
+            raise ZeroDivisionError("division by zero")
         return self._operate(other, lambda x, y: y / x)
 
     __radd__, __rmul__ = __add__, __mul__
 
     def __pow__(self, exponent: int):
+        if exponent < 0:
+            return 1 / self**-exponent
         return NumberFieldElement(self.field, self.value**exponent)
+
+    def __pos__(self):
+        return self
 
     def __neg__(self):
         return NumberFieldElement(self.field, -self.value)
@@ -150,11 +162,15 @@ class NumberFieldElement:
 
     def __eq__(self, other) -> bool:
         if isinstance(other, NumberFieldElement) and other.field != self.field:
-            return self.as_sympy().equals(other.as_sympy())
-        difference = self - other
+            return bool(self.as_sympy().equals(other.as_sympy()))
+        difference = self._operate(other, lambda x, y: x - y)
+        if difference is NotImplemented:
+            return NotImplemented
         return not difference if isinstance(difference, NumberFieldElement) else difference == 0
 
     def __lt__(self, other) -> bool:
+        if isinstance(other, NumberFieldElement) and other.field != self.field:
+            return float(self) < float(other)
         return float(self - other) < 0
 
     def __hash__(self) -> int:
@@ -164,6 +180,9 @@ class NumberFieldElement:
     def coefficients(self) -> list[Fraction]:
         """The rational coefficients of the polynomial in a, highest power first."""
         return [Fraction(int(c.numerator), int(c.denominator)) for c in self.value.to_list()] or [Fraction(0)]
+
+    def __reduce__(self):
+        return NumberField.element, (self.field, self.coefficients)
 
     def as_sympy(self):
         """The same number as a SymPy expression."""
@@ -228,18 +247,18 @@ def square_root(x) -> Any:
     >>> square_root(Fraction(9, 4)), square_root(2)
     (Fraction(3, 2), a)
     """
-    if isinstance(x, np.ndarray) and x.dtype.kind == "O":
-        return np.frompyfunc(square_root, 1, 1)(x)
+    if isinstance(x, np.ndarray) and x.dtype.kind not in "fc":
+        return np.frompyfunc(square_root, 1, 1)(x.astype(object))
     if hasattr(x, "free_symbols"):
         from sympy import sqrt
 
         return sqrt(x)
     if isinstance(x, NumberFieldElement):
         return _root_in_field(x)
+    if not np.iscomplexobj(x) and np.any(np.less(x, 0)):
+        raise ValueError(f"a negative number has no real square root: {x}")
     if not isinstance(x, (Rational, np.integer)):
         return np.sqrt(x)
-    if x < 0:
-        raise ValueError(f"a negative number has no real square root: {x}")
     return _rational_root(Fraction(int(x.numerator), int(x.denominator)))
 
 

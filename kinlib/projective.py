@@ -27,7 +27,8 @@ def same_point(x, y, *, rtol: float = RTOL, length: float = 1.0):
     rtol : float
         Relative tolerance for floats; exact scalars are compared exactly.
     length : float
-        The unit in which the dual parts of dual quaternions are measured: give the size of the mechanism.
+        The unit in which the dual parts of dual quaternions are measured, where they are floats: give the size of
+        the mechanism.
 
     Returns
     -------
@@ -41,16 +42,20 @@ def same_point(x, y, *, rtol: float = RTOL, length: float = 1.0):
     """
     x, y = (_measured(coordinates_of(point), length) for point in (x, y))
     x, y = np.broadcast_arrays(x, y)
-    scale_x, scale_y = size(x, axis=-1), size(y, axis=-1)
     pivot = np.expand_dims(_largest(y), -1)
     minors = x * np.take_along_axis(y, pivot, -1) - y * np.take_along_axis(x, pivot, -1)
-    vanish = np.all(is_zero(minors, (scale_x * scale_y)[..., None], rtol), axis=-1)
-    answers = vanish & (scale_x > 0) & (scale_y > 0)
+    scale = 0 if is_exact(minors) else (size(x, axis=-1) * size(y, axis=-1))[..., None]
+    vanish = np.all(is_zero(minors, scale, rtol), axis=-1)
+    answers = vanish & _is_point(x) & _is_point(y)
     return bool(answers) if answers.ndim == 0 else answers
 
 
+def _is_point(x: np.ndarray):
+    return ~np.all(is_zero(x, rtol=0), axis=-1)
+
+
 def _measured(x: np.ndarray, length: float) -> np.ndarray:
-    if length == 1.0 or x.shape[-1] != 8:
+    if length == 1.0 or x.shape[-1] != 8 or is_exact(x):
         return x
     return x / np.array([1.0] * 4 + [length] * 4)
 
@@ -155,7 +160,9 @@ class Subspace:
 
     def contains(self, point) -> bool:
         """Whether the subspace contains a point, or another subspace."""
-        rows = point.basis if isinstance(point, Subspace) else np.atleast_2d(coordinates_of(point))
+        rows = _rows(point)
+        if not np.all(_is_point(rows)):
+            return False  # zero is no point
         return join(self, *rows, rtol=self.rtol).dimension == self.dimension
 
     __contains__ = contains

@@ -8,7 +8,7 @@ import numpy as np
 
 from kinlib.number_field import square_root
 from kinlib.projective import Subspace, coordinates_of, null_space, same_point
-from kinlib.scalar import RTOL, as_float, as_scalars, divide, is_zero, size
+from kinlib.scalar import RTOL, as_float, as_scalars, divide, is_exact, is_zero, size
 
 __all__ = ["Quadric", "binary_roots"]
 
@@ -47,10 +47,16 @@ class Quadric:
     def contains(self, x, *, rtol: float = RTOL):
         """Whether points lie on the quadric, or whether a whole subspace does."""
         if isinstance(x, Subspace):
-            matrix = self.restrict(x).matrix
-            return bool(np.all(is_zero(matrix, size(x.basis) ** 2, rtol)))
-        x = coordinates_of(x)
-        return is_zero(self.form(x, x), size(self.matrix) * size(x, axis=-1) ** 2, rtol)
+            return bool(np.all([is_zero(self.form(p, q), self._size(p, q), rtol) for p in x.basis for q in x.basis]))
+        return is_zero(self.form(x, x), self._size(x, x), rtol)
+
+    def _size(self, x, y):
+        """The largest term of form(x, y), as a float: what rounding is compared with."""
+        x, y = coordinates_of(x), coordinates_of(y)
+        if all(is_exact(z) for z in (x, y, self.matrix)):
+            return 0.0
+        x, y, matrix = (np.abs(as_float(z)) for z in (x, y, self.matrix))
+        return (x @ matrix * y).sum(axis=-1)
 
     def tangent_hyperplane(self, x) -> np.ndarray:
         """The linear form y ↦ form(x, y), as its coefficients, shape (..., n+1)."""

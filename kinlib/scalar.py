@@ -1,8 +1,8 @@
 """Scalars of every kind: how they are stored, divided and compared with zero.
 
-Coefficients are NumPy arrays.  Floats and complex numbers keep their dtype; whole numbers are ``int64`` as
-long as no sum of eight products can overflow, and Python integers beyond; ``Fraction``, SymPy expressions
-and elements of number fields live in object arrays.
+Coefficients are NumPy arrays.  Floats and complex numbers keep their dtype; everything exact lives in object
+arrays: whole numbers as Python integers, which never overflow, ``Fraction``, SymPy expressions, elements of
+number fields and of polynomial rings.
 """
 
 import math
@@ -16,8 +16,6 @@ __all__ = ["RTOL", "as_float", "as_scalars", "divide", "imaginary_unit", "is_exa
 RTOL = 1e-9
 """What counts as zero in floats, relative to the size of the problem."""
 
-_LARGEST_INT64 = 2**28  # eight products of such numbers stay below 2**63
-
 
 def as_scalars(values) -> np.ndarray:
     """Store numbers as an array without losing exactness.
@@ -30,7 +28,7 @@ def as_scalars(values) -> np.ndarray:
     Returns
     -------
     numpy.ndarray
-        A new array of the same shape, of dtype float, complex, int64 or object.
+        A new array of the same shape, of dtype float, complex or object.
 
     Raises
     ------
@@ -40,13 +38,13 @@ def as_scalars(values) -> np.ndarray:
     Examples
     --------
     >>> [as_scalars(row).dtype.kind for row in ([1, 2], [Fraction(1, 2), 2], [2**80, 1], [0.5, 1])]
-    ['i', 'O', 'O', 'f']
+    ['O', 'O', 'O', 'f']
     """
     array = np.array(values)
     if array.dtype.kind == "f" and isinstance(values, (list, tuple)):
         array = _rescue_large_integers(values, array)
     if array.dtype.kind in "biu":
-        return narrow(array)
+        return (array.astype(int) if array.dtype.kind == "b" else array).astype(object)
     if array.dtype.kind == "O":
         return _plain_objects(array)
     if array.dtype.kind not in "fc":
@@ -61,12 +59,23 @@ def _rescue_large_integers(values, array: np.ndarray) -> np.ndarray:
     return objects if whole and objects.size else array
 
 
+_NOT_NUMBERS = {type(None), bool, str, bytes, list, tuple, dict, set, object}
+
+
+def is_scalar(x) -> bool:
+    """Whether x may be a number or an array of numbers, and not one of the algebras built on them.
+
+    Those ask NumPy to leave operations to them, by the attribute ``__array_ufunc__ = None``.
+    """
+    return getattr(type(x), "__array_ufunc__", x) is not None
+
+
 def _plain_objects(array: np.ndarray) -> np.ndarray:
     """Python's numbers in place of NumPy's inside an object array; anything but numbers is refused."""
     for index, x in np.ndenumerate(array):
         if isinstance(x, np.generic):
             array[index] = x.item()
-        elif type(x) in (type(None), str, bytes, list, tuple, dict, set):
+        elif type(x) in _NOT_NUMBERS or not is_scalar(x):
             raise TypeError(f"expected numbers, got {x!r}")
     return array if is_exact(array) else _float_or_same(array)
 
@@ -79,19 +88,12 @@ def _float_or_same(array: np.ndarray) -> np.ndarray:
         return array
 
 
-def promote(a: np.ndarray, b: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def promote(*arrays: np.ndarray) -> tuple[np.ndarray, ...]:
     """Arrays that may be combined: beside floats, exact numbers become floats and symbols stay."""
-    kinds = a.dtype.kind, b.dtype.kind
-    if "O" in kinds and kinds[0] != kinds[1] and "i" not in kinds:
-        return tuple(_float_or_same(x) if x.dtype.kind == "O" else x for x in (a, b))
-    return a, b
-
-
-def narrow(array: np.ndarray) -> np.ndarray:
-    """Store whole numbers as ``int64`` where eight products are safe, as Python integers elsewhere."""
-    if array.size and max(-int(array.min()), int(array.max())) >= _LARGEST_INT64:
-        return array.astype(object)
-    return array.astype(np.int64, copy=False)
+    kinds = {x.dtype.kind for x in arrays}
+    if "O" in kinds and kinds & set("fc"):
+        return tuple(_float_or_same(x) if x.dtype.kind == "O" else x for x in arrays)
+    return arrays
 
 
 def is_exact(array: np.ndarray) -> bool:
@@ -103,7 +105,7 @@ def is_exact(array: np.ndarray) -> bool:
     (True, False)
     """
     if array.dtype.kind == "O":
-        return not any(isinstance(x, (float, complex)) for x in array.ravel())
+        return not any(isinstance(x, (float, complex)) or getattr(x, "is_Float", False) for x in array.ravel())
     return array.dtype.kind not in "fc"
 
 
@@ -136,7 +138,7 @@ _quotient = np.frompyfunc(_exact_quotient, 2, 1)
 def is_zero(values, scale=1.0, rtol: float = RTOL):
     """Whether numbers vanish: exact ones exactly, floats up to ``rtol * scale``.
 
-    SymPy expressions are expanded, so a polynomial identity is recognised.
+    SymPy expressions are expanded, so a polynomial identity is recognised; with sines and cosines they are simplified.
 
     Parameters
     ----------
@@ -163,28 +165,31 @@ def is_zero(values, scale=1.0, rtol: float = RTOL):
     if array.dtype.kind == "O":
         answers = _object_is_zero(array, scale, rtol)
         return bool(answers) if array.ndim == 0 else np.asarray(answers).astype(bool)
-    answers = array == 0 if array.dtype.kind in "iu" else np.abs(array) <= rtol * np.asarray(scale)
+    answers = array == 0 if array.dtype.kind in "biu" else np.abs(array) <= rtol * np.asarray(scale)
     return bool(answers) if np.ndim(answers) == 0 else answers
 
 
 def _object_zero(x, scale, rtol) -> bool:
-    if isinstance(x, (float, complex)):
-        return abs(x) <= rtol * scale
+    if isinstance(x, (float, complex)) or getattr(x, "is_Float", False):
+        return bool(abs(x) <= rtol * scale)
     if not hasattr(x, "free_symbols"):
         return x == 0
-    from sympy import cancel, expand
+    from sympy import cancel, expand, simplify
+    from sympy.functions.elementary.trigonometric import TrigonometricFunction
 
     expanded = expand(x)
     if expanded == 0:
         return True
-    return cancel(expanded) == 0 if expanded.free_symbols else bool(expanded.equals(0))
+    if not expanded.free_symbols:
+        return bool(expanded.equals(0))
+    return (simplify if expanded.has(TrigonometricFunction) else cancel)(expanded) == 0
 
 
 _object_is_zero = np.frompyfunc(_object_zero, 3, 1)
 
 
 def size(values, axis=None) -> float | np.ndarray:
-    """The largest absolute value as a float, along an axis if one is given; 1.0 for symbols.
+    """The largest absolute value as a float, along an axis if one is given; a symbol counts as 1.
 
     Examples
     --------
@@ -193,11 +198,16 @@ def size(values, axis=None) -> float | np.ndarray:
     """
     array = np.asarray(values)
     if array.dtype.kind == "O":
-        if any(getattr(x, "free_symbols", None) for x in array.ravel()):
-            return 1.0 if axis is None else np.ones(np.delete(array.shape, axis))
-        array = np.vectorize(lambda x: abs(complex(x)), otypes=[float])(array)
+        array = np.vectorize(_absolute, otypes=[float])(array)
     largest = np.abs(array).max(axis=axis, initial=0)
     return float(largest) if axis is None else largest * 1.0
+
+
+def _absolute(x) -> float:
+    try:
+        return abs(complex(x))
+    except TypeError:  # a symbol, or an element of a polynomial ring
+        return 1.0
 
 
 def as_float(values) -> np.ndarray:

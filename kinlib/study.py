@@ -62,9 +62,14 @@ def is_null_line(x: DualQuaternion, y: DualQuaternion, *, rtol: float = RTOL) ->
     >>> is_null_line(1j - h1, (1j - h1) * h2)    # t1 = √−1 in equation (2)
     True
     """
-    scale = max(size(x.coeffs), size(y.coeffs)) ** 2
     conditions = (x.norm(), y.norm(), x * y.conjugate() + y * x.conjugate())
-    return all(np.all(is_zero(c.coeffs, scale, rtol)) for c in conditions)
+    (p, d), (r, e) = ((size(q.coeffs[..., :4]), size(q.coeffs[..., 4:])) for q in (x, y))
+    scales = ((p * p, p * d), (r * r, r * e), (p * r, p * e + d * r))
+    return all(
+        np.all(is_zero(c.coeffs[..., half], scale, rtol))
+        for c, pair in zip(conditions, scales, strict=True)
+        for half, scale in zip((slice(0, 4), slice(4, 8)), pair, strict=True)
+    )
 
 
 def study_projection(q: DualQuaternion) -> DualQuaternion:

@@ -160,7 +160,7 @@ def _spectrum(q1: DualQuaternion, q2: DualQuaternion) -> _Spectrum:
     rest, second = _normalised(q2 - q2.scalar_part)
     e2, third = _normalised(rest - e1 * null_form(e1, rest))
     e2, _ = _normalised(e2 - e1 * null_form(e1, e2))
-    plane = np.stack(np.broadcast_arrays(*(e.coeffs for e in (one, e1, e2))), axis=-2)
+    plane = DualQuaternion.stack([one, e1, e2], axis=-1).coeffs
     mixed = plane[..., :4] @ np.swapaxes(plane[..., 4:], -1, -2)
     gram = mixed + np.swapaxes(mixed, -1, -2)
     values, vectors = np.linalg.eigh(np.where(np.isfinite(gram), gram, 0))
@@ -220,7 +220,7 @@ STAND_INS = (i * (j - eps * i), (1 - i) * (2 - j + eps * i))  # a regular proble
 def _replaced(q: DualQuaternion, rows: np.ndarray, stand_in: DualQuaternion) -> DualQuaternion:
     if not rows.any():
         return q
-    return DualQuaternion(np.where(rows[..., None], stand_in.coeffs, q.coeffs))
+    return DualQuaternion(np.where(rows[..., None], stand_in.astype(float).coeffs, q.coeffs))
 
 
 def masked(q: DualQuaternion, rows: np.ndarray) -> DualQuaternion:
