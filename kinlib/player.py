@@ -2,6 +2,9 @@
 
 A `Scene` is made of parts, some of them carried by bodies that move.  Shown in a notebook it embeds a small
 player; ``scene.save("x.html")`` writes one file that plays by itself.
+
+In a book all scenes share one copy of the viewer, in a live Jupyter each brings its own; the environment variable
+``KINLIB_SCENE`` decides otherwise if it is ``shared`` or ``inline``.
 """
 
 from __future__ import annotations
@@ -263,7 +266,8 @@ _LOADER = """
   let root;
   try { root = parent.document.documentElement.dataset.content_root; } catch { /* not our page */ }
   if (root === undefined) {
-    document.body.textContent = "This scene moves in the built book; here, run its cell to see it.";
+    document.body.textContent = "This scene plays in the built book and in Jupyter; "
+      + "elsewhere, set KINLIB_SCENE=inline and run its cell.";
     return;
   }
   const add = (tag, values) => document.head.append(Object.assign(document.createElement(tag), values));
@@ -283,10 +287,7 @@ def static_files() -> dict[str, Path]:
 
 
 def _shares_the_viewer() -> bool:
-    """Whether scenes use the viewer of the book around them; in a live Jupyter each brings its own.
-
-    The environment variable ``KINLIB_SCENE`` decides if it is ``shared`` or ``inline``.
-    """
+    """Whether scenes use the viewer of the book around them."""
     asked = os.environ.get("KINLIB_SCENE")
     if asked not in (None, "shared", "inline"):
         raise ValueError(f"expected KINLIB_SCENE to be 'shared' or 'inline', got {asked!r}")

@@ -222,6 +222,9 @@
     viewer = new MeshCat.Viewer(stage, false, renderer);
     viewer.gui.domElement.remove();
     document.body.prepend(stage);
+    const nothing = { addFolder: () => nothing }; // no entries in that panel either: they cost more than the scene
+    viewer.scene_tree.folder = nothing;
+    Object.getPrototypeOf(viewer.scene_tree).create_controls = () => {};
     viewer.set_3d_pane_size = fit;
     viewer.set_dirty = wake;
     for (const name of ["Background", "Grid", "Axes"]) viewer.set_property([name], "visible", false);
