@@ -6,7 +6,7 @@ from fractions import Fraction
 
 import numpy as np
 
-from kinlib import DualQuaternion, Line, one, translation, unit
+from kinlib import DualQuaternion, Line, null_form, one, translation, unit
 
 PYTHAGOREAN = ((1, 2, 2, 3), (2, 3, 6, 7), (1, 4, 8, 9), (4, 4, 7, 9), (2, 6, 9, 11), (3, 4, 0, 5), (0, 0, 1, 1))
 
@@ -71,3 +71,26 @@ def distance_of_pairs(first, second) -> np.ndarray:
     straight = np.maximum(distance_of_dyads(a, c), distance_of_dyads(b, d))
     crossed = np.maximum(distance_of_dyads(a, d), distance_of_dyads(b, c))
     return np.minimum(straight, crossed)
+
+
+def pose_error(linkage, poses, length=1.0) -> np.ndarray:
+    """The largest distance of a pose that is reached from the one that was asked for, over unit quaternions.
+
+    Dual parts are measured in the given unit of length, which may differ from row to row.
+    """
+    errors, weight = (
+        [],
+        np.concatenate([np.ones((*np.shape(length), 4)), np.ones(4) * np.asarray(length)[..., None]], -1),
+    )
+    for t, pose in zip(linkage.parameters, poses, strict=True):
+        reached = linkage.coupler_motion(t)
+        reached = reached / np.sqrt(null_form(reached, reached))
+        wanted = pose / np.sqrt(null_form(pose, pose))
+        difference = [np.abs((reached - sign * wanted).coeffs / weight).max(-1) for sign in (1, -1)]
+        errors.append(np.minimum(*difference))
+    return np.max(errors, axis=0)
+
+
+def reach(linkage) -> np.ndarray:
+    """How far from the origin the axes of a linkage are."""
+    return np.linalg.norm(linkage.axes.coeffs[..., 5:], axis=-1).max(-1)
