@@ -48,7 +48,7 @@ def _sign(coefficients: np.ndarray) -> float:
 # ---- scenes ------------------------------------------------------------------------------------------
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, repr=False)
 class Playable:
     """What can be shown on a page and saved to a file."""
 
@@ -65,6 +65,9 @@ class Playable:
             raise ValueError("expected alt, a sentence that says what is to be seen")
         if len(self.captions) not in (0, self.frames):
             raise ValueError(f"expected {self.frames} captions, one a frame, got {len(self.captions)}")
+
+    def __repr__(self) -> str:
+        return f"<{type(self).__name__} of {self.frames} frames: {self.alt}>"
 
     @property
     def frames(self) -> int:
@@ -105,7 +108,7 @@ class Playable:
         )
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Scene(Playable):
     """Parts in space, some of them carried by bodies that move.
 
@@ -136,9 +139,8 @@ class Scene(Playable):
     >>> angles = np.arange(0, np.pi, np.pi / 12)
     >>> turns = DualQuaternion([[np.cos(x), 0, 0, np.sin(x), 0, 0, 0, 0] for x in angles])
     >>> hand = Rod([0, 0, 0], [1, 0, 0], body="hand")
-    >>> scene = Scene([hand], {"hand": turns}, alt="A rod turns about one of its ends.")
-    >>> scene.frames
-    12
+    >>> Scene([hand], {"hand": turns}, alt="A rod turns about one of its ends.")
+    <Scene of 12 frames: A rod turns about one of its ends.>
     """
 
     parts: Sequence = ()
@@ -203,7 +205,7 @@ class Scene(Playable):
         return as_float(act(self.motions[part.body][:, None], points)).reshape(-1, 3)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class SceneGrid(Playable):
     """Scenes next to each other, which move together and are turned together.
 

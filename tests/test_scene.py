@@ -297,6 +297,13 @@ def test_a_rod_reaches_from_start_to_end():
     np.testing.assert_allclose(np.linalg.norm(cell["unit"] * matrix[:, 0]), 0.5, atol=1e-4)
 
 
+def test_in_plain_text_a_scene_is_one_line(scene, linkages):
+    """Notebooks keep this text and compare it: it has no floats."""
+    assert repr(scene) == f"<Scene of 90 frames: {ALT}>"
+    grid = linkages_side_by_side(linkages[:2], THREE_POSES, alt=ALT)
+    assert repr(grid) == f"<SceneGrid of 36 frames: {ALT}>"
+
+
 def test_scenes_grow_by_new_scenes():
     first = Scene([Ball([0, 0, 0])], alt="A ball.")
     second = first.with_parts(Ball([1, 0, 0]))
