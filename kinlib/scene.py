@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from kinlib.displacement import act, as_pose
 from kinlib.dual_quaternion import DualQuaternion, one
+from kinlib.dyad import Dyad
+from kinlib.linkage import Linkage
 from kinlib.pace import one_turn, parameters_of
 from kinlib.parts import Ball, Curve, Frame, Label, Rod, Surface
 from kinlib.player import Scene, SceneGrid, static_files
@@ -37,7 +41,16 @@ __all__ = [
 
 
 def linkage_scene(
-    linkage, poses=(), *, alt, point=(0, 0, 0), parameters=None, places=None, names=None, frames=90, **options
+    linkage: Linkage,
+    poses: Sequence = (),
+    *,
+    alt: str,
+    point=(0, 0, 0),
+    parameters: Sequence[float] | None = None,
+    places: Sequence[int] | None = None,
+    names: Sequence[str] | None = None,
+    frames: int = 90,
+    **options,
 ) -> Scene:
     """A linkage that makes one turn after another, through the poses.
 
@@ -119,7 +132,16 @@ def _short(x: float) -> str:
     return text.replace("-", "−") if float(text) else "0"
 
 
-def linkages_side_by_side(linkages, poses=(), *, alt, names=None, frames=36, height="", **options) -> SceneGrid:
+def linkages_side_by_side(
+    linkages: Sequence[Linkage],
+    poses: Sequence = (),
+    *,
+    alt: str,
+    names: Sequence[str] | None = None,
+    frames: int = 36,
+    height: str = "",
+    **options,
+) -> SceneGrid:
     """Several linkages next to each other, which reach their poses at the same times.
 
     Parameters
@@ -162,7 +184,7 @@ def _grid_height(count: int) -> str:
     return f"clamp({wide}rem, {wide + 2 * (narrow - wide)}rem - {5 * (narrow - wide)}vw, {narrow}rem)"
 
 
-def dyad_scene(dyad, poses=(), *, alt, point=(0, 0, 0), frames=96, **options) -> Scene:
+def dyad_scene(dyad: Dyad, poses: Sequence = (), *, alt: str, point=(0, 0, 0), frames: int = 96, **options) -> Scene:
     """A 2R dyad that goes from pose to pose; without poses it turns once about each of its axes.
 
     Its hand carries a frame, and a point that sweeps a surface as both angles run.
