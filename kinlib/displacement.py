@@ -167,9 +167,10 @@ def act(q: DualQuaternion, x):
         components = np.moveaxis(np.concatenate([x.direction, x.moment], axis=-1), -1, 0)
         moved = np.moveaxis(blockwise(_line_formula, _divisible(q), components, rows=6), 0, -1)
         return Line(moved[..., :3], moved[..., 3:])
-    components = np.moveaxis(as_scalars(x), -1, 0)
-    if components.shape[:1] != (3,):
-        raise ValueError(f"expected points of shape (..., 3), got {np.shape(x)}")
+    points = as_scalars(x)
+    if points.shape[-1:] != (3,):
+        raise ValueError(f"expected points of shape (..., 3), got {points.shape}")
+    components = np.moveaxis(points, -1, 0)
     return np.moveaxis(blockwise(_point_formula, _divisible(q), components, rows=3), 0, -1)
 
 
@@ -188,10 +189,10 @@ def as_matrix(q: DualQuaternion) -> np.ndarray:
     >>> (as_matrix(translation([1, 2, 3])) == [[1, 0, 0, 1], [0, 1, 0, 2], [0, 0, 1, 3], [0, 0, 0, 1]]).all()
     np.True_
     """
-    frame = act(q[..., None], np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]]))
-    matrix = np.zeros((*q.shape, 4, 4), dtype=frame.dtype)
-    matrix[..., :3, 3] = frame[..., 0, :]
-    matrix[..., :3, :3] = np.swapaxes(frame[..., 1:, :] - frame[..., :1, :], -1, -2)
+    turned = act(q.primal[..., None], np.eye(3, dtype=int))
+    matrix = np.zeros((*q.shape, 4, 4), dtype=turned.dtype)
+    matrix[..., :3, :3] = np.swapaxes(turned, -1, -2)
+    matrix[..., :3, 3] = act(q, [0, 0, 0])
     matrix[..., 3, 3] = 1
     return matrix
 

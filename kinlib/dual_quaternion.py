@@ -18,7 +18,7 @@ from kinlib.scalar import as_scalars, divide, is_scalar, is_zero, promote
 __all__ = ["DualQuaternion", "eps", "i", "j", "k", "one"]
 
 UNITS = ("", "i", "j", "k", "ε", "εi", "εj", "εk")
-BLOCK = 4096  # rows of a batch that are multiplied at a time, so that they stay in the cache
+BLOCK = 2**16  # rows of a batch at a time: they stay in the cache, and NumPy can use temporaries again
 
 
 class DualQuaternion:
@@ -86,7 +86,7 @@ class DualQuaternion:
     @property
     def coeffs(self) -> np.ndarray:
         """The coefficients, shape (..., 8), read-only."""
-        return np.moveaxis(self._components, 0, -1)
+        return self._components.transpose(*range(1, self._components.ndim), 0)
 
     @property
     def shape(self) -> tuple[int, ...]:

@@ -21,7 +21,7 @@ from kinlib.errors import report_faults
 from kinlib.factorization import bennett_flip
 from kinlib.interpolation import is_tangent
 from kinlib.linkage import Linkage
-from kinlib.scalar import as_scalars, divide, is_zero
+from kinlib.scalar import as_float, as_scalars, divide, is_zero, promote
 from kinlib.study import null_form
 from kinlib.three_poses import FAULTS as POSE_FAULTS
 from kinlib.three_poses import TANGENT, masked, pairs_through, relative
@@ -49,7 +49,7 @@ def goldberg_linkages(p0, p1, p2, z, *, degenerate: str = "raise") -> tuple[Link
     ----------
     p0, p1, p2 : DualQuaternion of shape (...), 4×4 matrices or SciPy RigidTransforms
         Any poses that have two dyads and a conic (Theorem 2); exact ones give exact linkages.
-    z : complex, array of complex, or pair (x, y)
+    z : complex, array of complex, or tuple (x, y)
         The first root z1 = x + √−1 y, not real.  It stands for h1 = x + y h, where h is the half-turn about the
         joint that turns twice; a pair of exact numbers keeps everything exact, with h as the exact dyad has
         it (of length 1 only if that root can be taken).
@@ -109,108 +109,103 @@ class _Plane:
     def square(self):
         return self.x * self.x + self.n * self.y * self.y
 
+    def length(self):
+        """The square root of the square, in floats."""
+        return np.sqrt(as_float(self.square()))
+
     def at(self, h: DualQuaternion) -> DualQuaternion:
         return h * self.y + self.x
 
 
 def _plane_point(z) -> tuple:
-    if isinstance(z, (tuple, list)) and len(z) == 2:
-        return tuple(divide(as_scalars(part), 1) for part in z)
-    z = np.asarray(z)
-    if z.dtype.kind not in "iufc" or not np.all(np.isfinite(z)):
-        raise ValueError("expected z as finite complex numbers, or as a pair (x, y) of real numbers")
-    return z.real.astype(float), z.imag.astype(float)
+    """The coordinates x, y of z: of a pair of real numbers as they are, of complex numbers in floats."""
+    parts = [as_scalars(part) for part in z] if isinstance(z, tuple) and len(z) == 2 else [as_scalars(z)]
+    floats = [part for part in parts if part.dtype.kind in "fc"]
+    if not np.all([np.all(np.isfinite(part)) for part in floats]):
+        raise ValueError("expected a finite z, got NaN or infinity")
+    if len(parts) == 2 and all(part.dtype.kind != "c" for part in parts):
+        return tuple(divide(part, 1) for part in promote(*parts))
+    z = np.asarray(z, dtype=complex)
+    return z.real, z.imag
 
 
 def _base_turns_twice(dyad: Dyad, home: DualQuaternion, s1, s2, z1, place: str, degenerate: str) -> list[Linkage]:
-    first, partners, faults = _cubic(dyad.h1, dyad.h2, s1, s2, z1)
-    bad = report_faults(faults, [place + fault for fault in FAULTS], degenerate)
-    parameters = (math.inf, s1[1], s2[1])
-    return [
-        Linkage.from_chains(_all_masked(first, bad), second, home=home, joints=(2, 1, 1, 1, 1), parameters=parameters)
-        for second in partners
-    ]
+    first, *partners = _chains(dyad.h1, dyad.h2, s1, s2, z1, place, degenerate)
+    options = {"home": home, "joints": (2, 1, 1, 1, 1), "parameters": (math.inf, s1[1], s2[1])}
+    return [Linkage.from_chains(first, second, **options) for second in partners]
 
 
 def _moving_turns_twice(dyad: Dyad, home: DualQuaternion, s1, s2, z1, place: str, degenerate: str) -> list[Linkage]:
     """The mirror case, through the conjugate motion C̄, whose dyad has the axes −h2 and −h1."""
-    first, partners, faults = _cubic(-dyad.h2, -dyad.h1, s1[::-1], s2[::-1], z1)
-    bad = report_faults(faults, [place + fault for fault in FAULTS], degenerate)
-    parameters = (math.inf, s1[0], s2[0])
-    return [
-        Linkage.from_chains(
-            _reversed(_all_masked(first, bad)),
-            _reversed(second),
-            home=home,
-            joints=(1, 2, 1, 1, 1),
-            parameters=parameters,
-        )
-        for second in partners
-    ]
+    first, *partners = map(_reversed, _chains(-dyad.h2, -dyad.h1, s1[::-1], s2[::-1], z1, place, degenerate))
+    options = {"home": home, "joints": (1, 2, 1, 1, 1), "parameters": (math.inf, s1[0], s2[0])}
+    return [Linkage.from_chains(first, second, **options) for second in partners]
 
 
 def _reversed(factors) -> tuple[DualQuaternion, ...]:
     return tuple(h.conjugate() for h in reversed(factors))
 
 
-def _all_masked(factors, rows: np.ndarray) -> tuple[DualQuaternion, ...]:
-    return tuple(masked(h * np.ones(rows.shape, dtype=int), rows) for h in factors) if rows.any() else factors
-
-
-def _cubic(hA: DualQuaternion, hB: DualQuaternion, s1, s2, z):
-    """The factors h1, h2, hB of the cubic with A turning twice, its two admissible partners, and the faults.
+def _chains(hA: DualQuaternion, hB: DualQuaternion, s1, s2, z, place: str, degenerate: str) -> list[tuple]:
+    """The factors h1, h2, hB of the cubic with A turning twice, and those of its two admissible partners.
 
     The quadratic factors of C C̄ are those of h1, h2 and hB.  A partner begins with the quadratic of hB and ends
     with that of h1 or of h2; two exchanges of neighbours bring hB to the front.
     """
-    n = null_form(hA, hA)
-    z1 = _Plane(*z, n)
-    z2, determinant = _partner(z1, s1, s2)
-    faults = _faults(z1, z2, determinant, s1, s2, null_form(hB, hB))
-    safe = np.where(np.isin(faults, UNUSABLE), np.nan, 1.0) if np.any(np.isin(faults, UNUSABLE)) else 1
-    h1, h2 = z1.at(hA), z2.at(hA) * safe
-    partners = [_brought_to_front(h1, h2, hB), _brought_to_front(h2, h1, hB)]
-    return (h1, h2, hB), partners, faults
+    z1 = _Plane(*z, null_form(hA, hA))
+    products = [(s_b - z1) * _Plane(s_a, 1, z1.n) for s_a, s_b in (s1, s2)]
+    early = _faults_of_z(z1, *products)
+    messages = [place + fault for fault in FAULTS]
+    unsolved = report_faults(early, messages, degenerate)
+    z2 = _partner(z1, s1, s2, *products, unsolved)
+    faults = np.where(early, early, _faults_of_pair(z1, z2, s1, null_form(hB, hB)))
+    faulty = report_faults(faults, messages, degenerate)
+    h1, h2 = z1.at(hA), z2.at(hA)
+    chains = [(h1, h2, hB), _brought_to_front(h1, h2, hB), _brought_to_front(h2, h1, hB)]
+    return [tuple(masked(h, faulty) for h in chain) for chain in chains]
 
 
-UNUSABLE = (BENNETT, CIRCUMCIRCLE)
-
-
-def _partner(z1: _Plane, s1, s2) -> tuple[_Plane, tuple]:
+def _partner(z1: _Plane, s1, s2, w1: _Plane, w2: _Plane, unsolved) -> _Plane:
     """The z2 with Im (s_B − z2) w = 0 for w = (s_B − z1)(s_A + h), at both poses."""
-    w1, w2 = ((s_b - z1) * _Plane(s_a, 1, z1.n) for s_a, s_b in (s1, s2))
-    determinant = w1.y * w2.x - w1.x * w2.y
+    determinant = w1.y * w2.x - w1.x * w2.y + unsolved  # any number but zero where there is no answer
     right1, right2 = s1[1] * w1.y, s2[1] * w2.y
     x = divide(right1 * w2.x - w1.x * right2, determinant)
     y = divide(w1.y * right2 - right1 * w2.y, determinant)
-    return _Plane(x, y, z1.n), (determinant, w1, w2)
+    return _Plane(x, y, z1.n)
 
 
-def _faults(z1: _Plane, z2: _Plane, solved, s1, s2, nB) -> np.ndarray:
-    determinant, w1, w2 = solved
-    scale1, scale2 = (np.sqrt(np.asarray(w.square()).astype(float)) for w in (w1, w2))
-    length = np.sqrt(np.asarray(z2.square()).astype(float))
-    real1, real2 = is_zero(w1.y, scale1, NEAR), is_zero(w2.y, scale2, NEAR)
-    parallel = is_zero(determinant, scale1 * scale2, NEAR)
-    on_side = is_zero(z2.y, length, NEAR)
-    misses_1 = is_zero(s1[1] - z2.x, abs(s1[1]) + abs(z2.x), 1e-6)
+def _faults_of_z(z1: _Plane, w1: _Plane, w2: _Plane) -> np.ndarray:
+    """What can be wrong with z1 before its partner is known."""
+    length1, length2 = w1.length(), w2.length()
+    conditions = [
+        (is_zero(z1.y, z1.length(), NEAR), REAL),
+        (is_zero(w1.y, length1, NEAR) & is_zero(w2.y, length2, NEAR), BENNETT),
+        (is_zero(w1.y * w2.x - w1.x * w2.y, length1 * length2, NEAR), CIRCUMCIRCLE),
+    ]
+    return _first(conditions)
+
+
+def _faults_of_pair(z1: _Plane, z2: _Plane, s1, nB) -> np.ndarray:
+    on_side = is_zero(z2.y, z2.length(), NEAR)
     quadratics = [(z.x, z.square()) for z in (z1, z2)]
     conditions = [
-        (is_zero(z1.y, np.sqrt(np.asarray(z1.square()).astype(float)), NEAR), REAL),
-        (real1 & real2, BENNETT),
-        (parallel, CIRCUMCIRCLE),
-        (on_side & misses_1, MISSES_1),
+        (on_side & is_zero(s1[1] - z2.x, abs(s1[1]) + abs(z2.x), 1e-6), MISSES_1),
         (on_side, MISSES_2),
         (_same_quadratic(quadratics[0], (0, nB)) | _same_quadratic(quadratics[1], (0, nB)), SAME_QUADRATIC),
         (_same_quadratic(*quadratics), OWN_CONJUGATE),
     ]
+    return _first(conditions)
+
+
+def _first(conditions) -> np.ndarray:
+    """The number of the first condition that holds, 0 if none does."""
     return np.select([np.asarray(where) for where, _ in conditions], [fault for _, fault in conditions], 0)
 
 
 def _same_quadratic(first, second):
     """Whether t² − 2xt + q is one polynomial for two pairs (x, q)."""
     (x, q), (y, r) = first, second
-    scale = np.asarray(abs(q) + abs(r)).astype(float)
+    scale = as_float(abs(q) + abs(r))
     return is_zero(x - y, np.sqrt(scale), NEAR) & is_zero(q - r, scale, NEAR)
 
 

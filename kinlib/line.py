@@ -9,7 +9,7 @@ import numpy as np
 from kinlib.dual_quaternion import DualQuaternion
 from kinlib.errors import DegenerateError
 from kinlib.number_field import square_root
-from kinlib.scalar import RTOL, as_float, as_scalars, divide, is_zero, size
+from kinlib.scalar import RTOL, as_float, as_scalars, divide, is_zero, promote, size
 
 __all__ = ["Line", "common_perpendicular"]
 
@@ -40,7 +40,9 @@ class Line:
     moment: np.ndarray
 
     def __post_init__(self):
-        direction, moment = np.broadcast_arrays(_vectors(self.direction), _vectors(self.moment))
+        direction, moment = np.broadcast_arrays(*promote(_vectors(self.direction), _vectors(self.moment)))
+        if direction.dtype.kind == "f" and not (np.isfinite(direction).all() and np.isfinite(moment).all()):
+            raise ValueError("expected finite direction and moment, got NaN or infinity")
         if np.any(np.all(is_zero(direction, rtol=0), axis=-1)):
             raise ValueError("expected a direction that is not zero")
         product = _dot(direction, moment)[..., 0]

@@ -178,7 +178,7 @@ class Linkage:
         """How far the product of all factors is from a real polynomial, relative to its size; 0 if exact.
 
         Each coefficient is compared with the same coefficient of Π(t + |f|), dual parts with the longest
-        moment among the axes besides.
+        moment among the axes besides.  This measures how well the loop closes, not how near the poses are passed.
         """
         factors = [_broadcast(f, self.shape) for f in self.factors]
         product = DualQuaternion.stack(product_of(factors), axis=-1).coeffs[..., 1:]

@@ -41,8 +41,9 @@ class RationalCurve:
 
     def __call__(self, t) -> np.ndarray:
         """The points at parameter values t, shape (..., 3); t broadcasts against the batch."""
-        rows = [self.coeffs[..., n, :] for n in range(self.degree + 1)]
-        w, *x = np.moveaxis(evaluate(rows, np.expand_dims(t, -1) if np.ndim(t) else t), -1, 0)
+        coeffs, t = promote(self.coeffs, as_scalars(t))
+        rows = [coeffs[..., n, :] for n in range(self.degree + 1)]
+        w, *x = np.moveaxis(evaluate(rows, t[..., None] if t.ndim else t[()]), -1, 0)
         return np.stack([divide(y, w) for y in x], axis=-1)
 
 
@@ -114,7 +115,8 @@ class MotionPolynomial:
             Broadcasts against the batch; ``math.inf`` gives the leading coefficient.
         """
         if np.ndim(t) == 0 or self.shape:
-            return evaluate(self.coefficients, t)
+            first, *others = self.coefficients
+            return evaluate((first + others[0] * 0, *others) if others else (first,), t)
         return DualQuaternion(_evaluate(self.coeffs, t))
 
     def conjugate(self) -> MotionPolynomial:
@@ -223,7 +225,7 @@ class MotionPolynomial:
         x = DualQuaternion(np.concatenate([[1], np.zeros(4, dtype=int), as_scalars(point)]))
         mirrored = [c.eps_conjugate().conjugate() for c in self.coefficients]
         path = multiply([c * x for c in self.coefficients], mirrored)
-        return RationalCurve(np.stack([c.coeffs[..., [0, 5, 6, 7]] for c in path], axis=-2))
+        return RationalCurve(DualQuaternion.stack(path, axis=-1).coeffs[..., [0, 5, 6, 7]])
 
     def same_motion(self, other: MotionPolynomial, *, rtol: float = RTOL) -> bool:
         """Whether two polynomials move everything alike: C = λD with real polynomials on both sides.

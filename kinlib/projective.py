@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from kinlib.dual_quaternion import DualQuaternion
-from kinlib.scalar import RTOL, as_scalars, divide, is_exact, is_zero, size
+from kinlib.scalar import RTOL, as_scalars, divide, is_exact, is_zero, promote, size
 
 __all__ = ["Subspace", "coordinates_of", "join", "meet", "null_space", "same_point"]
 
@@ -41,7 +41,7 @@ def same_point(x, y, *, rtol: float = RTOL, length: float = 1.0):
     (True, False)
     """
     x, y = (_measured(coordinates_of(point), length) for point in (x, y))
-    x, y = np.broadcast_arrays(x, y)
+    x, y = np.broadcast_arrays(*promote(x, y))
     pivot = np.expand_dims(_largest(y), -1)
     minors = x * np.take_along_axis(y, pivot, -1) - y * np.take_along_axis(x, pivot, -1)
     scale = 0 if is_exact(minors) else (size(x, axis=-1) * size(y, axis=-1))[..., None]

@@ -90,6 +90,8 @@ def _float_or_same(array: np.ndarray) -> np.ndarray:
 
 def promote(*arrays: np.ndarray) -> tuple[np.ndarray, ...]:
     """Arrays that may be combined: beside floats, exact numbers become floats and symbols stay."""
+    if all(x.dtype == arrays[0].dtype for x in arrays):
+        return arrays
     kinds = {x.dtype.kind for x in arrays}
     if "O" in kinds and kinds & set("fc"):
         return tuple(_float_or_same(x) if x.dtype.kind == "O" else x for x in arrays)
@@ -163,7 +165,8 @@ def is_zero(values, scale=1.0, rtol: float = RTOL):
         return bool(abs(values) <= rtol * scale)
     array = np.asarray(values)
     if array.dtype.kind == "O":
-        answers = _object_is_zero(array, scale, rtol)
+        with np.errstate(invalid="ignore"):
+            answers = _object_is_zero(array, scale, rtol)
         return bool(answers) if array.ndim == 0 else np.asarray(answers).astype(bool)
     answers = array == 0 if array.dtype.kind in "biu" else np.abs(array) <= rtol * np.asarray(scale)
     return bool(answers) if np.ndim(answers) == 0 else answers

@@ -34,14 +34,14 @@ def study_form(x: DualQuaternion, y: DualQuaternion):
     >>> int(study_form(i, j - eps * i))       # two skew lines, one apart and at right angles
     -1
     """
-    x, y = x.components, y.components
-    return sum(x[n] * y[(n + 4) % 8] for n in range(8))
+    (p0, p1, p2, p3, d0, d1, d2, d3), (r0, r1, r2, r3, e0, e1, e2, e3) = x.components, y.components
+    return p0 * e0 + p1 * e1 + p2 * e2 + p3 * e3 + d0 * r0 + d1 * r1 + d2 * r2 + d3 * r3
 
 
 def null_form(x: DualQuaternion, y: DualQuaternion):
     """The null form ⟨x, y⟩ of the primal parts, shape (...); batches broadcast."""
-    x, y = x.components, y.components
-    return sum(x[n] * y[n] for n in range(4))
+    (p0, p1, p2, p3), (r0, r1, r2, r3) = x.components[:4], y.components[:4]
+    return p0 * r0 + p1 * r1 + p2 * r2 + p3 * r3
 
 
 def is_null_line(x: DualQuaternion, y: DualQuaternion, *, rtol: float = RTOL) -> bool:

@@ -18,7 +18,7 @@ from kinlib.errors import DegenerateError, report_faults
 from kinlib.factorization import factor_in_orders, quadratic_factors, upper_roots
 from kinlib.interpolation import conic, is_tangent
 from kinlib.projective import same_point
-from kinlib.scalar import is_exact, is_zero, size
+from kinlib.scalar import as_float, is_exact, is_zero, size
 from kinlib.study import eps_times, null_form, study_form
 
 __all__ = ["dyads_through_poses", "study_eigenvalues"]
@@ -225,7 +225,7 @@ def _replaced(q: DualQuaternion, rows: np.ndarray, stand_in: DualQuaternion) -> 
 
 def masked(q: DualQuaternion, rows: np.ndarray) -> DualQuaternion:
     """NaN in place of the given rows."""
-    return DualQuaternion(np.where(rows[..., None], np.nan, q.coeffs)) if rows.any() else q
+    return DualQuaternion(np.where(rows[..., None], np.nan, as_float(q.coeffs))) if rows.any() else q
 
 
 def _by_eigenvalues(plane: _Spectrum) -> list[Pair]:
