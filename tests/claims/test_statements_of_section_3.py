@@ -228,7 +228,7 @@ def test_products_of_the_centres_span_null_lines(dyad):
         assert is_null_line(centre, n1 * m1)
 
 
-@pytest.mark.parametrize("dyad", DYADS[:2])
+@pytest.mark.parametrize("dyad", DYADS[:1])
 def test_three_null_quadrilaterals(dyad):
     """L3c: u1, v1, u2, v2 go with m1n2, m1n1, m2n1, m2n2; the reversed one is different."""
     m1, n1, m2, n2 = centres(dyad)
