@@ -140,6 +140,14 @@ def test_each_condition_of_lemma_1_is_needed(x, y):
     assert not is_null_line(x, y)
 
 
+def test_nearly_null_lines_are_not_null():
+    x, y = 1j - h1, (1j - h1) * h2
+    assert is_null_line(x + 1e-11 * one, y)
+    assert not is_null_line(x + 1e-6 * one, y)
+    assert not is_null_line(x, y + 1e-6 * k)
+    assert not is_null_line(1e-6 * one, 1e-6 * i)
+
+
 @pytest.mark.parametrize("length", [1e-6, 1.0, 1e6, 1e9])
 def test_null_lines_at_every_length(length):
     h2 = j - length * eps * i
