@@ -77,13 +77,14 @@ def goldberg_linkages(p0, p1, p2, z, *, degenerate: str = "raise") -> tuple[Link
     """
     poses = [as_pose(p) for p in (p0, p1, p2)]
     z1 = _plane_point(z)
-    dyads = [Dyad(h1, h2) for h1, h2 in pairs_through(poses, None, degenerate)]
-    seen = relative(*poses)
+    pairs = pairs_through(poses, None, degenerate)
     faulty = report_faults(is_tangent(*poses) * TANGENT, POSE_FAULTS, degenerate)
+    dyads = [Dyad(masked(h1, faulty), masked(h2, faulty)) for h1, h2 in pairs]
+    seen = relative(*poses)
     linkages = []
     with np.errstate(invalid="ignore", divide="ignore", over="ignore"):
         for number, dyad in enumerate(dyads, start=1):
-            s1, s2 = (dyad.parameters(masked(q, faulty)) for q in seen)
+            s1, s2 = (dyad.parameters(q) for q in seen)
             for side, build in (("base", _base_turns_twice), ("moving", _moving_turns_twice)):
                 place = f"dyad {number}, {side} joint turning twice: "
                 linkages += build(dyad, poses[0], s1, s2, z1, place, degenerate)
@@ -154,7 +155,7 @@ def _chains(hA: DualQuaternion, hB: DualQuaternion, s1, s2, z, place: str, degen
     """
     z1 = _Plane(*z, null_form(hA, hA))
     products = [(s_b - z1) * _Plane(s_a, 1, z1.n) for s_a, s_b in (s1, s2)]
-    early = _faults_of_z(z1, *products)
+    early = _faults_of_z(z1, s1, s2, *products)
     messages = [place + fault for fault in FAULTS]
     unsolved = report_faults(early, messages, degenerate)
     z2 = _partner(z1, s1, s2, *products, unsolved)
@@ -174,11 +175,12 @@ def _partner(z1: _Plane, s1, s2, w1: _Plane, w2: _Plane, unsolved) -> _Plane:
     return _Plane(x, y, z1.n)
 
 
-def _faults_of_z(z1: _Plane, w1: _Plane, w2: _Plane) -> np.ndarray:
+def _faults_of_z(z1: _Plane, s1, s2, w1: _Plane, w2: _Plane) -> np.ndarray:
     """What can be wrong with z1 before its partner is known."""
+    triangle = z1.length() + abs(as_float(s1[1])) + abs(as_float(s2[1]))
     length1, length2 = w1.length(), w2.length()
     conditions = [
-        (is_zero(z1.y, z1.length(), NEAR), REAL),
+        (is_zero(z1.y, triangle, 1e-13), REAL),
         (is_zero(w1.y, length1, NEAR) & is_zero(w2.y, length2, NEAR), BENNETT),
         (is_zero(w1.y * w2.x - w1.x * w2.y, length1 * length2, NEAR), CIRCUMCIRCLE),
     ]
@@ -186,10 +188,11 @@ def _faults_of_z(z1: _Plane, w1: _Plane, w2: _Plane) -> np.ndarray:
 
 
 def _faults_of_pair(z1: _Plane, z2: _Plane, s1, nB) -> np.ndarray:
-    on_side = is_zero(z2.y, z2.length(), NEAR)
+    scale = z1.length() + z2.length() + abs(as_float(s1[1]))
+    on_side = is_zero(z2.y, scale, 1e-13)
     quadratics = [(z.x, z.square()) for z in (z1, z2)]
     conditions = [
-        (on_side & is_zero(s1[1] - z2.x, abs(s1[1]) + abs(z2.x), 1e-6), MISSES_1),
+        (on_side & is_zero(s1[1] - z2.x, scale, 1e-6), MISSES_1),
         (on_side, MISSES_2),
         (_same_quadratic(quadratics[0], (0, nB)) | _same_quadratic(quadratics[1], (0, nB)), SAME_QUADRATIC),
         (_same_quadratic(*quadratics), OWN_CONJUGATE),

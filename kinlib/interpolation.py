@@ -6,11 +6,12 @@ from itertools import combinations
 
 import numpy as np
 
-from kinlib.displacement import as_pose, unit
+from kinlib.displacement import as_pose
 from kinlib.dual_quaternion import DualQuaternion
-from kinlib.errors import DegenerateError
+from kinlib.errors import DegenerateError, report_faults
 from kinlib.motion_polynomial import MotionPolynomial
 from kinlib.number_field import square_root
+from kinlib.projective import same_point
 from kinlib.scalar import divide, is_zero, size
 from kinlib.study import null_form, study_form
 
@@ -39,12 +40,17 @@ def conic_through(p0, p1, p2) -> MotionPolynomial:
     (2, True)
     """
     p0, p1, p2 = (as_pose(p) for p in (p0, p1, p2))
-    if np.any(is_tangent(p0, p1, p2)):
-        raise DegenerateError(
-            "two of the three poses differ by a rotation: their plane is tangent to the Study quadric, "
-            "no conic passes through the poses"
-        )
+    equal = same_point(p0, p1) | same_point(p0, p2) | same_point(p1, p2)
+    faults = np.where(equal, 1, 2 * is_tangent(p0, p1, p2))
+    report_faults(faults, CONIC_FAULTS, "raise")
     return conic(p0, p1, p2)
+
+
+CONIC_FAULTS = (
+    "two of the three poses are equal: three different poses are needed",
+    "two of the three poses differ by a rotation: their plane is tangent to the Study quadric, no conic passes "
+    "through the poses",
+)
 
 
 def conic(p0: DualQuaternion, p1: DualQuaternion, p2: DualQuaternion) -> MotionPolynomial:
@@ -72,9 +78,9 @@ def cubics_through(p0, p1, p2, p3, free=0) -> tuple[MotionPolynomial, ...]:
     ----------
     p0, p1, p2, p3 : DualQuaternion, 4×4 matrix or RigidTransform
     free : scalar
-        The position in the family.  The cubic is C = p0 Π(t − t_j) + Σ λ_j p_j Π_{m≠j}(t − t_m) with
-        λ = μ + free · κ, where κ spans the kernel of the Study condition, divided by the sum of the absolute
-        values of b_01, b_02, b_03, and μ is the solution with the smallest Σ λ_j² p_j p̄_j.  Where some λ_j
+        The position in the family, without unit.  The cubic is C = p0 Π(t − t_j) + Σ λ_j p_j Π_{m≠j}(t − t_m)
+        with λ = μ + free · r · κ, where κ spans the kernel of the Study condition, μ is the solution with the
+        smallest Σ λ_j² p_j p̄_j, and r makes the cubic independent of the factors of the poses.  Where some λ_j
         vanishes pose j is missed.
 
     Returns
@@ -125,21 +131,34 @@ def _quadratic_roots(a, b, c, root, scale) -> list:
 
 
 def _cubic(poses: list[DualQuaternion], t3, free) -> MotionPolynomial:
-    p0, others = poses[0], [unit(p) for p in poses[1:]]
+    p0, *others = poses
     t = (0, 1, t3)
     b = [study_form(p0, p) for p in others]
-    A12, A13, A23 = (divide(study_form(others[m], others[n]), t[m] - t[n]) for m, n in ((0, 1), (0, 2), (1, 2)))
+    mutual = [study_form(x, y) for x, y in combinations(others, 2)]
+    A12, A13, A23 = (divide(x, t[m] - t[n]) for x, (m, n) in zip(mutual, combinations(range(3), 2), strict=True))
     weights = [null_form(p, p) for p in others]
     kernel = [A23, -A13, A12]
-    scales = _weights(kernel, b, weights, free)
+    scales = _weights(kernel, b, weights, free * _unit_of_freedom(b, mutual))
     for number, (scale, weight) in enumerate(zip(scales, weights, strict=True), start=1):
         if is_zero(scale, size(scales) * size(weight), rtol=1e-12):
             raise DegenerateError(f"for this value of the free parameter the cubic misses pose {number}")
     return _lagrange(p0, [p * s for p, s in zip(others, scales, strict=True)], t)
 
 
-def _weights(kernel, b, weights, free) -> list:
-    """λ = μ + free κ with Aλ = −b for the skew matrix A with this kernel; Aλ is the cross product κ' × λ.
+def _unit_of_freedom(b, mutual):
+    """A factor b_0j / (b_jk b_jl) for κ: with it the cubic does not depend on the factors of the poses.
+
+    It is taken for the first pose j with which it is defined and not zero.
+    """
+    b12, b13, b23 = mutual
+    for x, y, z in ((b[0], b12, b13), (b[1], b12, b23), (b[2], b13, b23)):
+        if not any(is_zero(value, rtol=0) for value in (x, y, z)):
+            return divide(x, y * z)
+    raise DegenerateError("too many of the four poses differ by rotations: the free parameter has no unit")
+
+
+def _weights(kernel, b, weights, ratio) -> list:
+    """λ = μ + ratio · κ with Aλ = −b for the skew matrix A with the kernel κ.
 
     With A = [[0, A12, A13], [−A12, 0, A23], [−A13, −A23, 0]] one has Aλ = −κ × λ for κ = (A23, −A13, A12).  So
     κ × λ = b; the λ with smallest Σ w_j λ_j² is the one with Σ w_j κ_j λ_j = 0, that is
@@ -152,8 +171,7 @@ def _weights(kernel, b, weights, free) -> list:
     special = [
         divide(b[(n + 1) % 3] * weighted[(n + 2) % 3] - b[(n + 2) % 3] * weighted[(n + 1) % 3], total) for n in range(3)
     ]
-    length = sum(abs(x) for x in b)
-    return [s + divide(free * x, length) for s, x in zip(special, kernel, strict=True)]
+    return [s + ratio * x for s, x in zip(special, kernel, strict=True)]
 
 
 def _lagrange(p0: DualQuaternion, scaled: list[DualQuaternion], t) -> MotionPolynomial:

@@ -269,7 +269,7 @@ def _rational_root(x: Fraction):
         return Fraction(root, x.denominator)
     from sympy import CRootOf, Poly, Symbol, factorint
 
-    square_free = math.prod(p for p, n in factorint(product).items() if n % 2)
+    square_free = math.prod(p for p, n in factorint(product, limit=10**4).items() if n % 2)  # but for large squares
     field = NumberField(CRootOf(Poly([1, 0, -square_free], Symbol("a")), 1, radicals=True))
     return field.generator * Fraction(math.isqrt(product // square_free), x.denominator)
 
