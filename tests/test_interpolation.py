@@ -153,6 +153,16 @@ def test_a_tangent_plane_has_no_conic(poses):
         conic_through(*poses)
 
 
+def test_tangent_planes_in_a_batch_are_named():
+    poses = random_poses(3, seed=7, shape=(4,))
+    turned = DualQuaternion.stack(
+        [q * (1 - i) if n == 2 else r for n, (q, r) in enumerate(zip(*poses[:2], strict=True))]
+    )
+    with pytest.raises(DegenerateError) as caught:
+        conic_through(poses[0], turned, poses[2])
+    assert caught.value.rows == (2,)
+
+
 # Twisted cubics
 
 
@@ -248,6 +258,15 @@ def test_cubics_at_every_scale(length):
         assert visits(C, (math.inf, 0, 1, t3), four, length=length)
 
 
+@pytest.mark.parametrize("factors", [(3, 1, 1, 1), (-1, 1, 1, 1), (1, -1, 1, 1), (1, 2, Fraction(-1, 3), 7)])
+def test_factors_of_four_poses_do_not_matter(factors):
+    for one_or_float in (1, 1.0):
+        four = [one_or_float * p for p in FOUR_POSES]
+        other = [p * s for p, s in zip(four, factors, strict=True)]
+        for C, D in zip(cubics_through(*four, 1), cubics_through(*other, 1), strict=True):
+            assert C.same_motion(D)
+
+
 def test_a_change_of_frame_changes_the_cubics():
     g = translation([1, 2, 3]) * (3 + 4 * k) / 5
     moved = cubics_through(*(g * p for p in FOUR_POSES), 1)
@@ -288,6 +307,12 @@ def test_motions_of_three_turns_are_found_again():
     family = next(n for n, t3 in enumerate(fourth_parameters(*four)) if t3 == 3)
     first, second = (cubics_through(*four, free)[family](2).coeffs for free in (1, 2))
     assert sympy.Matrix([first, second, C(2).coeffs]).rank() == 2
+
+
+def test_floats_and_exact_poses_give_the_same_cubics():
+    floats = [1.0 * p for p in FOUR_POSES]
+    for C, D in zip(cubics_through(*FOUR_POSES, 1), cubics_through(*floats, 1.0), strict=True):
+        assert D.coeffs == pytest.approx(C.coeffs.astype(float))
 
 
 def test_four_poses_in_three_forms():
