@@ -106,40 +106,41 @@ def _rational_root(square):
     return root if type(root) in (type(divide(square, 1)), type(square)) else 1
 
 
-def _point_formula(q, x):
-    """Equation (1): x ↦ (p x p̄ + d p̄ − p d̄) / (p p̄), in components."""
+def _matrix_formula(q):
+    """The rotation matrix and the translation vector of equation (1), in components.
+
+    x ↦ (p x p̄ + d p̄ − p d̄) / (p p̄) is x + 2 p × (p0 x + p × x) / (p p̄) + 2 (d p̄ without its real part) / (p p̄).
+    """
     p0, p1, p2, p3, d0, d1, d2, d3 = q
-    (y1, y2, y3), square = _turned(p0, p1, p2, p3, x)
-    return (
-        divide(y1 + 2 * (p0 * d1 - d0 * p1 + p2 * d3 - p3 * d2), square),
-        divide(y2 + 2 * (p0 * d2 - d0 * p2 + p3 * d1 - p1 * d3), square),
-        divide(y3 + 2 * (p0 * d3 - d0 * p3 + p1 * d2 - p2 * d1), square),
+    s = divide(2, p0 * p0 + p1 * p1 + p2 * p2 + p3 * p3)
+    s0, s1, s2, s3 = s * p0, s * p1, s * p2, s * p3
+    xx, yy, zz, xy, yz, zx = s1 * p1, s2 * p2, s3 * p3, s1 * p2, s2 * p3, s3 * p1
+    wx, wy, wz = s0 * p1, s0 * p2, s0 * p3
+    turn = (1 - (yy + zz), xy - wz, zx + wy), (xy + wz, 1 - (zz + xx), yz - wx), (zx - wy, yz + wx, 1 - (xx + yy))
+    shift = (
+        s0 * d1 - s1 * d0 + s2 * d3 - s3 * d2,
+        s0 * d2 - s2 * d0 + s3 * d1 - s1 * d3,
+        s0 * d3 - s3 * d0 + s1 * d2 - s2 * d1,
     )
+    return turn, shift
 
 
-def _turned(p0, p1, p2, p3, x):
-    """p x p̄ for a vector x, and p p̄: p0² x + 2 p0 (p × x) + (p · x) p + p × (p × x), in components."""
+def _turned(turn, x):
     x1, x2, x3 = x
-    c1, c2, c3 = p2 * x3 - p3 * x2 + p0 * x1, p3 * x1 - p1 * x3 + p0 * x2, p1 * x2 - p2 * x1 + p0 * x3
-    inner = p1 * x1 + p2 * x2 + p3 * x3
-    turned = (
-        p0 * c1 + p2 * c3 - p3 * c2 + inner * p1,
-        p0 * c2 + p3 * c1 - p1 * c3 + inner * p2,
-        p0 * c3 + p1 * c2 - p2 * c1 + inner * p3,
-    )
-    return turned, p0 * p0 + p1 * p1 + p2 * p2 + p3 * p3
+    return tuple(a * x1 + b * x2 + c * x3 for a, b, c in turn)
+
+
+def _point_formula(q, x):
+    turn, shift = _matrix_formula(q)
+    return tuple(y + t for y, t in zip(_turned(turn, x), shift, strict=True))
 
 
 def _line_formula(q, line):
-    """q (l + εm) q̄ / (p p̄): the direction turns, the moment turns and gains t × (turned direction)."""
-    p0, p1, p2, p3, d0, d1, d2, d3 = q
-    (l1, l2, l3), square = _turned(p0, p1, p2, p3, line[:3])
-    (m1, m2, m3), _ = _turned(p0, p1, p2, p3, line[3:])
-    t1 = divide(2 * (p0 * d1 - d0 * p1 + p2 * d3 - p3 * d2), square)
-    t2 = divide(2 * (p0 * d2 - d0 * p2 + p3 * d1 - p1 * d3), square)
-    t3 = divide(2 * (p0 * d3 - d0 * p3 + p1 * d2 - p2 * d1), square)
-    moment = (m1 + t2 * l3 - t3 * l2, m2 + t3 * l1 - t1 * l3, m3 + t1 * l2 - t2 * l1)
-    return tuple(divide(y, square) for y in (l1, l2, l3, *moment))
+    """The direction turns; the moment turns and gains shift × (turned direction)."""
+    turn, (t1, t2, t3) = _matrix_formula(q)
+    l1, l2, l3 = _turned(turn, line[:3])
+    m1, m2, m3 = _turned(turn, line[3:])
+    return l1, l2, l3, m1 + (t2 * l3 - t3 * l2), m2 + (t3 * l1 - t1 * l3), m3 + (t1 * l2 - t2 * l1)
 
 
 def act(q: DualQuaternion, x):

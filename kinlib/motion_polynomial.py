@@ -117,7 +117,7 @@ class MotionPolynomial:
         if np.ndim(t) == 0 or self.shape:
             first, *others = self.coefficients
             return evaluate((first + others[0] * 0, *others) if others else (first,), t)
-        return DualQuaternion(_evaluate(self.coeffs, t))
+        return DualQuaternion.from_components(_evaluate(self.coefficients, t))
 
     def conjugate(self) -> MotionPolynomial:
         """C̄, with conjugate coefficients: the inverse motion."""
@@ -300,19 +300,21 @@ def evaluate(coefficients, t) -> DualQuaternion:
     return value * np.where(infinite, 0.0, 1.0) + coefficients[0] * np.where(infinite, 1.0, 0.0)
 
 
-def _evaluate(coeffs: np.ndarray, t) -> np.ndarray:
-    """One polynomial with coefficients (n+1, m) at an array of parameters: (..., m), as a matrix product."""
-    coeffs, t = promote(coeffs, as_scalars(t))
-    degree = len(coeffs) - 1
-    infinite = np.isinf(t) if t.dtype.kind in "fc" else np.zeros(t.shape, dtype=bool)
-    finite = np.where(infinite, 0, t) if infinite.any() else t
-    powers = np.empty((*t.shape, degree + 1), dtype=t.dtype)
-    powers[..., degree] = 1
-    for n in range(degree - 1, -1, -1):
-        powers[..., n] = powers[..., n + 1] * finite
+def _evaluate(coefficients, t) -> np.ndarray:
+    """One polynomial at an array of parameters, as the product of its coefficients, components first, and powers."""
+    columns = np.array([c.components for c in coefficients]).T
+    columns, t = promote(columns, as_scalars(t))
+    powers = np.empty((len(coefficients), t.size), dtype=t.dtype)
+    powers[-1] = 1
+    finite = t.ravel()
+    infinite = np.isinf(finite) if t.dtype.kind in "fc" else np.zeros(t.size, dtype=bool)
     if infinite.any():
-        powers[infinite] = np.eye(degree + 1)[0]
-    return powers @ coeffs
+        finite = np.where(infinite, 0, finite)
+    for n in range(len(coefficients) - 2, -1, -1):
+        np.multiply(powers[n + 1], finite, out=powers[n])
+    if infinite.any():
+        powers[:, infinite] = np.eye(len(coefficients))[:, :1]
+    return (columns @ powers).reshape(8, *t.shape)
 
 
 def check_monic(C: MotionPolynomial) -> None:
