@@ -57,11 +57,8 @@ bench: setup
 	$(BIN)/python -m tests.bench
 
 notebooks: setup
-	@set -e; for notebook in $(NOTEBOOK); do \
-	    echo "== $$notebook"; \
-	    $(BIN)/ruff format --quiet $$notebook; \
-	    $(BIN)/jupyter-execute --inplace --kernel_name=python3 --NotebookClient.record_timing=False $$notebook; \
-	done
+	$(BIN)/ruff format --quiet $(NOTEBOOK)
+	$(BIN)/python book/_ext/run_notebooks.py $(NOTEBOOK)
 
 clean:
 	rm -rf _build build dist kinlib.egg-info .pytest_cache .ruff_cache .hypothesis

@@ -190,10 +190,9 @@ class TwoRSpace:
             return self.as_subspace().contains(x)
         inside = sum((e * c for c, e in zip(self.dyad.coordinates(x), self.dyad.basis, strict=True)), one * 0)
         difference = (inside - x).components
-        primal, dual = (
-            size(x.components[:4], 0),
-            np.maximum(size(x.components[4:], 0), size(inside.components[4:], 0)),
-        )
+        moments = [size(e.components[4:], 0) / size(e.components[:4], 0) for e in self.dyad.basis]
+        primal = size(x.components[:4], 0)
+        dual = np.maximum(size(x.components[4:], 0), primal * np.max(np.broadcast_arrays(*moments), axis=0))
         close = np.concatenate([is_zero(difference[:4], primal, rtol), is_zero(difference[4:], dual, rtol)])
         return np.all(close, axis=0)[()]
 

@@ -25,7 +25,7 @@ __all__ = ["dyads_through_poses", "study_eigenvalues"]
 
 FAULTS = (
     "the plane of the three poses meets the exceptional three-space",
-    "the plane of the three poses lies in the Study quadric: infinitely many 2R spaces contain it",
+    "the plane of the three poses lies in the Study quadric: no 2R space contains it, as its quadric is regular",
     "the quartic of the three poses has double roots: one 2R dyad passes through them, not two",
     "the plane of the three poses is tangent to the Study quadric (two poses differ by a rotation): there are two "
     "2R dyads, which method='eigenvalues' finds, but no conic and no Bennett linkage",
