@@ -208,7 +208,7 @@ def test_bars_lie_along_common_perpendiculars(linkages):
 
 
 def test_bars_keep_near_when_common_perpendiculars_run_away():
-    linkage = kl.six_r_linkages(*random_poses(4, seed=1), 1.0)[0]
+    linkage = kl.six_r_linkages(*random_poses(4, seed=23), 1.0)[9]
     assert max(abs(row.offset) for row in linkage.denavit_hartenberg()) > 10
     assert np.ptp(bars(linkage).reshape(-1, 3), axis=0).max() < 4
 
