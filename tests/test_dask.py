@@ -1,0 +1,30 @@
+"""Sweeps that outgrow one machine: all functions take batches, so Dask's map_blocks is all it takes."""
+
+import dask.array as da
+import numpy as np
+import pytest
+from dask.distributed import Client, LocalCluster
+
+from kinlib import DualQuaternion, goldberg_linkages
+from kinlib.testing import random_poses
+
+
+def longest_links(block: np.ndarray) -> np.ndarray:
+    """The longest link of each of the eight 5R linkages through poses of shape (n, 3, 8); shape (n, 8)."""
+    linkages = goldberg_linkages(*(DualQuaternion(block[:, number]) for number in range(3)), 0.3 + 0.8j)
+    return np.stack([np.max([row.distance for row in x.denavit_hartenberg()], axis=0) for x in linkages], axis=-1)
+
+
+@pytest.fixture(scope="module")
+def client():
+    cluster = LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None)
+    with cluster, Client(cluster) as client:
+        yield client
+
+
+def test_a_sweep_on_a_cluster_is_the_sweep_on_one_machine(client):
+    poses = np.stack([pose.coeffs for pose in random_poses(3, seed=3, shape=(400,))], axis=1)
+    blocks = da.from_array(poses, chunks=(100, 3, 8))
+    lengths = blocks.map_blocks(longest_links, dtype=float, chunks=(100, 8), drop_axis=2).compute()
+    assert len(client.scheduler_info()["workers"]) == 2
+    np.testing.assert_array_equal(lengths, longest_links(poses))
