@@ -97,18 +97,9 @@ class Dyad:
 
         Poses R(t1, t2) have the coordinates t1 t2, −t2, −t1, 1, so they lie on the quadric x0 x3 = x1 x2.
         """
-        x = pose if self.home is one else pose * self.home.inverse()
-        n1, n2, c = null_form(self.h1, self.h1), null_form(self.h2, self.h2), null_form(self.h1, self.h2)
-        area = n1 * n2 - c * c
         if np.any(self.is_parallel()):
             raise DegenerateError("the axes are parallel: their 2R space meets the exceptional three-space")
-        along = [null_form(x, y) for y in (one, self.h1, self.h2, self.h1 * self.h2)]
-        return (
-            divide(n1 * n2 * along[0] + c * along[3], area),
-            divide(n2 * along[1] - c * along[2], area),
-            divide(n1 * along[2] - c * along[1], area),
-            divide(c * along[0] + along[3], area),
-        )
+        return primal_coordinates(pose * self.home.inverse(), self.h1, self.h2)
 
     def is_parallel(self):
         """Whether the two axes are parallel, so that the 2R space meets the exceptional three-space."""
@@ -128,6 +119,19 @@ class Dyad:
         x0, x1, x2, x3 = self.coordinates(pose)
         with np.errstate(divide="ignore", invalid="ignore"):
             return _ratio(x2, x3, x0, x1), _ratio(x1, x3, x0, x2)
+
+
+def primal_coordinates(x: DualQuaternion, h1: DualQuaternion, h2: DualQuaternion) -> tuple:
+    """The coordinates of the primal part of x in the basis 1, h1, h2, h1h2; its Gram matrix splits into 2×2 blocks."""
+    n1, n2, c = null_form(h1, h1), null_form(h2, h2), null_form(h1, h2)
+    area = n1 * n2 - c * c
+    along = [null_form(x, y) for y in (one, h1, h2, h1 * h2)]
+    return (
+        divide(n1 * n2 * along[0] + c * along[3], area),
+        divide(n2 * along[1] - c * along[2], area),
+        divide(n1 * along[2] - c * along[1], area),
+        divide(c * along[0] + along[3], area),
+    )
 
 
 def _ratio(numerator, denominator, other_numerator, other_denominator):
