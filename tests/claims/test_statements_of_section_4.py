@@ -345,7 +345,7 @@ def test_one_point_of_a_space_has_a_given_orientation_in_general_off_s():
 
 
 def test_one_more_position_is_in_general_not_reached():
-    """O4: of the poses that carry a point to a given place, none is on the dyad: two equations too many."""
+    """O4: of the poses that carry a point to a given place, none is on the dyad: one equation too many."""
     dyad = exact_dyads()[0]
     t1, t2 = sympy.symbols("t1 t2")
     pose = dyad(t1, t2)
