@@ -166,8 +166,7 @@ def act(q: DualQuaternion, x):
     """
     if isinstance(x, Line):
         components = np.moveaxis(np.concatenate([x.direction, x.moment], axis=-1), -1, 0)
-        moved = np.moveaxis(blockwise(_line_formula, _divisible(q), components, rows=6), 0, -1)
-        return Line(moved[..., :3], moved[..., 3:])
+        return Line.from_components(blockwise(_line_formula, _divisible(q), components, rows=6))
     points = as_scalars(x)
     if points.shape[-1:] != (3,):
         raise ValueError(f"expected points of shape (..., 3), got {points.shape}")

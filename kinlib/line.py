@@ -52,6 +52,16 @@ class Line:
         object.__setattr__(self, "moment", _read_only(moment))
 
     @classmethod
+    def from_components(cls, components: np.ndarray) -> Line:
+        """Wrap Plücker coordinates with the six components first, shape (6, ...), that are known to be a line's."""
+        self = object.__new__(cls)
+        components.setflags(write=False)
+        coordinates = np.moveaxis(components, 0, -1)
+        object.__setattr__(self, "direction", coordinates[..., :3])
+        object.__setattr__(self, "moment", coordinates[..., 3:])
+        return self
+
+    @classmethod
     def through(cls, a, b) -> Line:
         """The line from point a to point b, of shape (..., 3)."""
         a, b = _vectors(a), _vectors(b)
