@@ -1,6 +1,7 @@
 """Still drawings with matplotlib; every function takes axes and returns them.
 
-Spatial drawings go on axes from `space_axes`, whose units are equal and whose background is the page.
+Spatial drawings go on axes from `space_axes`, whose units are equal, plane ones on axes from `plane_axes`; the
+background of both is the page.
 """
 
 from __future__ import annotations
@@ -39,8 +40,8 @@ from kinlib.skeleton import (
 )
 
 __all__ = [
-    "draw_curve", "draw_frames", "draw_joint_angles", "draw_line", "draw_linkage", "draw_linkages", "draw_path",
-    "draw_positions", "space_axes", "write_picture",
+    "draw_curve", "draw_frames", "draw_hyperboloid", "draw_joint_angles", "draw_line", "draw_linkage", "draw_linkages",
+    "draw_path", "draw_positions", "on_hyperboloid", "plane_axes", "space_axes", "write_picture",
 ]  # fmt: skip
 
 INK = "#7a7a7a"
@@ -83,6 +84,30 @@ def space_axes(
         ax.view_init(*view)
         ax.set_proj_type("ortho")
     return axes
+
+
+def plane_axes(columns: int = 1, *, size: tuple[float, float] = (6.0, 3.5)) -> np.ndarray:
+    """A new figure with a row of plane axes on a clear background, and letters seen on light pages and on dark ones.
+
+    Parameters
+    ----------
+    columns : int
+    size : (float, float)
+        Width and height of the figure, in inches.
+
+    Returns
+    -------
+    numpy.ndarray of Axes, shape (columns,)
+
+    Examples
+    --------
+    >>> plane_axes(2).shape
+    (2,)
+    """
+    _, axes = plt.subplots(1, columns, squeeze=False, figsize=size)
+    for ax in axes.flat:
+        _on_the_page(ax)
+    return axes[0]
 
 
 # ---- solids ------------------------------------------------------------------------------------------
@@ -214,12 +239,49 @@ def draw_path(linkage: Linkage, ax: Axes3D, *, point=(0, 0, 0), **style) -> Axes
     return draw_curve(act(linkage.coupler_motion(np.append(t, t[0])), point), ax, **style)
 
 
-def draw_line(line: Line, ax: Axes3D, *, centre=(0, 0, 0), length: float = 2.0, colour: str = INK) -> Axes3D:
-    """Draw the piece of a line that has its middle nearest to a point, shape (3,), and a given length."""
+def draw_line(line: Line, ax: Axes3D, *, centre=(0, 0, 0), length: float = 2.0, **style) -> Axes3D:
+    """Draw the piece of a line that has its middle nearest to a point, shape (3,), and a given length.
+
+    Colour and width as in `draw_curve`; grey and thin if not given.
+    """
     direction = as_float(line.direction)
     step = direction / np.linalg.norm(direction) * length / 2
     middle = as_float(line.foot(centre))
-    return draw_curve(np.array([middle - step, middle + step]), ax, colour=colour, width=1.2)
+    return draw_curve(np.array([middle - step, middle + step]), ax, **{"colour": INK, "width": 1.2, **style})
+
+
+def on_hyperboloid(alpha, beta) -> np.ndarray:
+    """Where the pose R(cot α, cot β) of a 2R dyad lies on the hyperboloid X² + Y² − Z² = 1, shape (..., 3).
+
+    Every dyad with skew axes has the same picture: with the coordinates x of `Dyad.coordinates` these are
+    x1 + x2, x0 − x3 and x1 − x2, divided by x0 + x3.
+
+    Examples
+    --------
+    >>> on_hyperboloid(0, 0)               # the pose 1
+    array([0., 1., 0.])
+    """
+    X, Y, Z = -np.sin(np.add(alpha, beta)), np.cos(np.add(alpha, beta)), np.sin(np.subtract(beta, alpha))
+    return np.stack([X, Y, Z], axis=-1) / np.cos(np.subtract(alpha, beta))[..., None] + 0.0
+
+
+def draw_hyperboloid(ax: Axes3D, *, colours=("#0072b2", "#e69f00"), width: float = 1.0, rulings: int = 24) -> Axes3D:
+    """Draw both families of lines on the hyperboloid of `on_hyperboloid`.
+
+    Parameters
+    ----------
+    ax : Axes3D
+    colours : (str, str)
+        Of the lines on which α is fixed and β varies, and of those on which β is fixed and α varies.
+    width : float
+    rulings : int
+        The number of lines of each family; the first of each passes through the pose 1.
+    """
+    for angle in np.linspace(0, np.pi, rulings, endpoint=False):
+        other = angle + np.array([-1.05, 1.05])
+        draw_curve(on_hyperboloid(angle, other), ax, colour=colours[0], width=width)
+        draw_curve(on_hyperboloid(other, angle), ax, colour=colours[1], width=width)
+    return ax
 
 
 def draw_joint_angles(linkage: Linkage, ax: Axes, *, samples: int = 400) -> Axes:

@@ -44,6 +44,18 @@ class Quadric:
         """The bilinear form at points x, y of shape (..., n+1); batches broadcast."""
         return (coordinates_of(x) @ self.matrix * coordinates_of(y)).sum(axis=-1)
 
+    def gram(self, points) -> np.ndarray:
+        """The matrix of the form on k points, shape (k, k): entry (r, s) is form(points[r], points[s]).
+
+        Examples
+        --------
+        >>> saddle = Quadric([[0, 0, 0, 1], [0, 0, -1, 0], [0, -1, 0, 0], [1, 0, 0, 0]])   # x₀x₃ = x₁x₂
+        >>> saddle.gram([[1, 1, 1, 1], [1, 0, 0, 0]]).tolist()
+        [[0, 1], [1, 0]]
+        """
+        rows = np.stack([coordinates_of(point) for point in points])
+        return _symmetric(rows @ self.matrix @ rows.T)
+
     def contains(self, x, *, rtol: float = RTOL):
         """Whether points lie on the quadric, or whether a whole subspace does."""
         if isinstance(x, Subspace):
@@ -78,8 +90,7 @@ class Quadric:
 
     def restrict(self, subspace: Subspace) -> Quadric:
         """The intersection with a subspace, in the coordinates of its basis."""
-        basis = subspace.basis
-        return Quadric(_symmetric(basis @ self.matrix @ basis.T))
+        return Quadric(self.gram(subspace.basis))
 
     def rulings_through(self, x) -> tuple[Subspace, Subspace]:
         """The two lines on a quadric surface of P³ that pass through its point x.

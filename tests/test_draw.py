@@ -14,12 +14,15 @@ from kinlib import draw
 from kinlib.draw import (
     draw_curve,
     draw_frames,
+    draw_hyperboloid,
     draw_joint_angles,
     draw_line,
     draw_linkage,
     draw_linkages,
     draw_path,
     draw_positions,
+    on_hyperboloid,
+    plane_axes,
     space_axes,
     write_picture,
 )
@@ -56,6 +59,7 @@ DRAWINGS = {
     "frames": lambda linkage, ax: draw_frames(THREE_POSES, ax, names=["a", "b", "c"]),
     "curve": lambda linkage, ax: draw_curve([[0, 0, 0], [1, 2, 3]], ax),
     "path": draw_path,
+    "hyperboloid": lambda linkage, ax: draw_hyperboloid(ax),
     "line": lambda linkage, ax: draw_line(kl.Line.through([0, 0, 1], [1, 1, 1]), ax),
     "positions": lambda linkage, ax: draw_positions(linkage, THREE_POSES, ax),
 }
@@ -116,6 +120,33 @@ def test_a_line_is_drawn_where_it_is(ax):
     np.testing.assert_allclose(ends.mean(axis=0), [5, 5, 1])
 
 
+def test_a_line_is_drawn_in_the_colour_asked_for(ax):
+    draw_line(kl.Line([0, 0, 1], [0, 0, 0]), ax, colour="#0072b2", width=3)
+    assert (ax.lines[0].get_color(), ax.lines[0].get_linewidth()) == ("#0072b2", 3)
+
+
+def test_every_dyad_has_one_picture():
+    """The coordinates of its poses, as the docstring combines them."""
+    rng = np.random.default_rng(4)
+    a1, l1, a2, l2 = rng.normal(size=(4, 3))
+    h1, h2 = (kl.half_turn(kl.Line.at(a, l / np.linalg.norm(l))) for a, l in ((a1, l1), (a2, l2)))
+    alpha, beta = rng.uniform(0.1, 3, size=(2, 50))
+    x0, x1, x2, x3 = kl.Dyad(h1, h2).coordinates(kl.Dyad(h1, h2)(1 / np.tan(alpha), 1 / np.tan(beta)))
+    expected = np.stack([x1 + x2, x0 - x3, x1 - x2], axis=-1) / (x0 + x3)[:, None]
+    np.testing.assert_allclose(on_hyperboloid(alpha, beta), expected, rtol=1e-9)
+
+
+def test_rulings_lie_on_the_hyperboloid_and_the_first_pass_through_the_identity(ax):
+    draw_hyperboloid(ax, rulings=5)
+    lines = [np.transpose(line.get_data_3d()) for line in ax.lines]
+    assert len(lines) == 10
+    for first, second in lines:
+        for x in (first, second, (first + second) / 2):
+            np.testing.assert_allclose(x @ np.diag([1, 1, -1]) @ x, 1)
+    for first, second in lines[:2]:
+        assert np.linalg.norm(np.cross(second - first, on_hyperboloid(0, 0) - first)) == pytest.approx(0)
+
+
 def test_joint_angles_over_one_turn(linkages):
     linkage = linkages[0]
     _, ax = plt.subplots()
@@ -162,3 +193,5 @@ def test_the_background_is_the_page(ax):
     _, plain = plt.subplots()
     draw_joint_angles(kl.bennett_linkage(*THREE_POSES), plain)
     assert plain.patch.get_alpha() == plain.figure.patch.get_alpha() == 0
+    for empty in plane_axes(2, size=(4, 2)):
+        assert empty.patch.get_alpha() == empty.figure.patch.get_alpha() == 0

@@ -8,7 +8,7 @@ import sympy
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
-from kinlib import NumberFieldElement, Quadric, Subspace, join, same_point
+from kinlib import NumberFieldElement, Quadric, Subspace, j, join, one, same_point
 from kinlib.quadric import binary_roots
 from strategies import fractions, large, whole
 
@@ -183,3 +183,16 @@ def test_a_quadric_does_not_change():
         SPHERE.matrix[0, 0] = 7
     with pytest.raises(AttributeError):
         SPHERE.matrix = np.eye(4)
+
+
+@given(quadrics(), st.lists(points, min_size=1, max_size=3))
+def test_the_gram_matrix_holds_the_form_of_all_pairs(Q, rows):
+    gram = Q.gram(rows)
+    assert gram.shape == (len(rows), len(rows))
+    assert gram.tolist() == [[Q.form(x, y) for y in rows] for x in rows]
+
+
+def test_the_gram_matrix_takes_points_one_by_one():
+    x, y = sympy.symbols("x y")
+    Q = Quadric(np.diag([2, 0, 1, 0, 0, 0, 0, 0]))
+    assert Q.gram([x * one + y * j, y * one]).tolist() == [[2 * x**2 + y**2, 2 * x * y], [2 * x * y, 2 * y**2]]
