@@ -10,13 +10,15 @@ PAGE := _build/html/index.html
 export PIP_DISABLE_PIP_VERSION_CHECK := 1
 export PATH := $(abspath $(BIN)):$(PATH)
 
-.PHONY: help setup book test bench notebooks lint clean distclean
+.PHONY: help setup book test bench notebooks assignments grade lint clean distclean
 
 help:
 	@echo "make book       build the book and say which file to open"
 	@echo "make test       check style, build the book, then check code, notebooks and pages"
 	@echo "make bench      measure speed and print the table"
 	@echo "make notebooks  run and save every notebook (NOTEBOOK=path for one)"
+	@echo "make assignments  make the students' copies of the assignments"
+	@echo "make grade SUBMISSIONS=folder  grade what students handed in (OUT=graded)"
 	@echo "make clean      remove what was built"
 	@echo "make distclean  remove .venv as well"
 
@@ -51,7 +53,7 @@ test: lint book
 	@echo "== Testing code, notebooks and pages"
 	$(BIN)/python -m pytest -n auto --maxprocesses=4 --dist=loadscope \
 	    --nbval --nbval-current-env --nbval-cell-timeout=120 --nbval-sanitize-with=tests/nbval_sanitize.cfg \
-	    tests kinlib book
+	    --ignore=book/assignments/release tests kinlib book
 
 bench: setup
 	$(BIN)/python -m tests.bench
@@ -59,6 +61,20 @@ bench: setup
 notebooks: setup
 	$(BIN)/ruff format --quiet $(NOTEBOOK)
 	$(BIN)/python book/_ext/run_notebooks.py $(NOTEBOOK)
+
+SOLVED := $(wildcard book/assignments/source/*/*.ipynb)
+
+assignments: setup
+	$(BIN)/ruff format --quiet $(SOLVED)
+	$(BIN)/python book/_ext/run_notebooks.py $(SOLVED)
+	$(BIN)/python book/assignments/release.py
+
+OUT ?= graded
+GRADING ?=
+
+grade: setup
+	@test -n "$(SUBMISSIONS)" || { echo "say which folder: make grade SUBMISSIONS=folder"; exit 2; }
+	@PYTHONPATH=book/assignments $(BIN)/python -m grader "$(SUBMISSIONS)" --out "$(OUT)" $(GRADING)
 
 clean:
 	rm -rf _build build dist kinlib.egg-info .pytest_cache .ruff_cache .hypothesis

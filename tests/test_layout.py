@@ -41,6 +41,10 @@ ORDER = [
     "scene",
     "gallery",
     "testing",
+    "exercises.lot",
+    "exercises.withhold",
+    "exercises.checks",
+    "exercises.dual_quaternions",
 ]
 PICTURES = {"draw", "scene"}
 
@@ -53,13 +57,14 @@ PUBLIC = [
     "six_r_linkages", "DegenerateError",
 ]  # fmt: skip
 
-MODULES = sorted(path.stem for path in PACKAGE.glob("*.py") if path.stem != "__init__")
+FILES = (path for path in PACKAGE.rglob("*.py") if path.stem != "__init__")
+MODULES = sorted(".".join(path.relative_to(PACKAGE).with_suffix("").parts) for path in FILES)
 
 
 def imported_modules(name: str) -> set[str]:
     """The modules of kinlib that a module imports, anywhere in its text."""
     found = set()
-    for node in ast.walk(ast.parse((PACKAGE / f"{name}.py").read_text(encoding="utf-8"))):
+    for node in ast.walk(ast.parse(PACKAGE.joinpath(*name.split(".")).with_suffix(".py").read_text(encoding="utf-8"))):
         if isinstance(node, ast.ImportFrom) and node.module and node.module.startswith("kinlib."):
             found.add(node.module.removeprefix("kinlib."))
         elif isinstance(node, ast.ImportFrom) and node.module == "kinlib":

@@ -32,7 +32,8 @@ def wheel(tmp_path_factory) -> Path:
 
 def test_the_wheel_holds_every_file(wheel):
     packed = {name for name in zipfile.ZipFile(wheel).namelist() if name.startswith("kinlib/")}
-    files = {f"kinlib/{path.name}" for path in (ROOT / "kinlib").iterdir() if path.is_file()}
+    sources = [path for path in (ROOT / "kinlib").rglob("*") if path.is_file() and path.parent.name != "__pycache__"]
+    files = {path.relative_to(ROOT).as_posix() for path in sources}
     assert packed == files
 
 

@@ -1,0 +1,1 @@
+"""Grades a folder of submissions: ``python -m grader FOLDER`` in book/assignments, or ``make grade``."""
