@@ -19,7 +19,7 @@ from grader import masters
 
 TOO_SLOW = "took longer than {seconds} s, so it was stopped"
 NOT_DONE = "not answered yet: a line raise NotImplementedError() is left"
-NOT_RUN = "was not run, since Python stopped before (memory used up, or ended by the notebook itself)"
+NOT_RUN = "was not run, since an earlier cell ended Python, used up its memory or could not be stopped"
 
 
 def marks(assignment: str, submission: Path, folder: Path, seconds: int) -> list[dict]:
