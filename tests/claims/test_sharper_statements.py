@@ -23,7 +23,8 @@ from kinlib import (
     study_eigenvalues,
     study_form,
 )
-from kinlib.gallery import FOUR_POSES
+from kinlib.factorization import quadratic_of
+from kinlib.gallery import FOUR_POSES, THREE_POSES
 from kinlib.interpolation import fourth_parameters
 from kinlib.testing import random_poses
 from problems import random_half_turns
@@ -163,6 +164,31 @@ def test_goldbergs_conditions_with_signs():
             odd = large[0] if large[1] == large[0] + 1 else large[1]
             before, after = rows[odd - 1], rows[(odd + 1) % 5]
             assert np.isclose(before.distance, after.distance, rtol=1e-6)
+
+
+def test_goldbergs_signed_ratios_exactly():
+    """S5: with directions kept by the exchanges; the other link has another ratio."""
+    for dyad, linkage in zip(
+        np.repeat(dyads_through_poses(*THREE_POSES), 2),
+        [linkage for linkage in goldberg_linkages(*THREE_POSES, (1, 3)) if linkage.joints[0] == 2],
+        strict=True,
+    ):
+        h1, h2, hB, *back = linkage.factors
+        heights = {repr(quadratic_of(h)): null_form(h, dyad.h1) for h in (h1, h2)}
+        k1, *ks = (k.conjugate() for k in reversed(back))
+        k2, k3 = ((k - k.scalar_part) / heights[repr(quadratic_of(k))] for k in ks)
+        loop = [dyad.h1, hB, k3, k2, k1]
+        pairs = list(zip(loop, loop[1:] + loop[:1], strict=True))
+        ratios = [study_form(p, q) / (1 - null_form(p, q) ** 2) for p, q in pairs]
+        assert [ratio == ratios[0] for ratio in ratios] == [True, True, False, True, True]
+        assert null_form(*pairs[1]) == null_form(*pairs[3])
+
+
+def test_shares_at_the_corners_are_real_with_sum_one():
+    """S4: two real shares make the third real; so conjugates at two corners are conjugates at the third."""
+    z1, z2, *corners = sympy.symbols("z1 z2 c:3")
+    shares = [(c - z1) * (c - z2) / ((c - corners[n - 1]) * (c - corners[n - 2])) for n, c in enumerate(corners)]
+    assert sympy.cancel(sum(shares)) == 1
 
 
 def test_three_angle_symmetric_and_six_double_bennett_pairs():
