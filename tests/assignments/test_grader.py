@@ -20,6 +20,7 @@ from grader.run import Limits, Result, graded, marked
 ROOT = Path(__file__).resolve().parents[2]
 NAME = "dual_quaternions"
 SPIN = "while True:\n    pass"
+SPINNING = "def inverse(q):\n    while True:\n        pass"
 
 
 def marks(path: Path, student: str = "ada", **limits: int) -> dict[str, dict]:
@@ -97,6 +98,12 @@ def of_emmy() -> str:
     return f"{value.numerator}, {value.denominator}"
 
 
+def test_a_warning_costs_nothing(tmp_path):
+    warning = "import warnings\n\n\ndef conjugate(q):\n    warnings.warn('look out')\n"
+    warning += "    return [s * x for s, x in zip([1, -1, -1, -1] * 2, q)]"
+    assert lost(handed_in(NAME, tmp_path, {"conjugate": warning})) == {}
+
+
 # ---- what would stop the others --------------------------------------------------------------------------
 
 
@@ -107,14 +114,14 @@ def test_a_cell_that_never_ends_costs_itself_and_what_needs_it(tmp_path):
 
 
 def test_a_function_that_never_ends_is_named(tmp_path):
-    path = handed_in(NAME, tmp_path, {"inverse": "def inverse(q):\n    while True:\n        pass"})
+    path = handed_in(NAME, tmp_path, {"inverse": SPINNING})
     found = marks(path, cell=8)
     assert found["inverse-exact"] == {
         "cell": "inverse-exact",
         "points": 2,
         "mark": 0,
         "remark": "took longer than 8 s, so it was stopped",
-        "answer": "",
+        "answer": SPINNING,
     }
     assert found["moved-point"]["mark"] == 2
 

@@ -38,8 +38,12 @@ def marks(assignment: str, submission: Path, folder: Path, seconds: int) -> list
     master, blank = masters.read(masters.source(assignment)), masters.read(masters.release(assignment))
     notebook = masters.assembled(master, blank, masters.read(submission))
     executed(notebook, folder, seconds)
-    empty = masters.answers(blank)
-    return [judged(cell, empty, seconds) for cell in notebook.cells if is_grade(cell)]
+    found, answer = [], ""
+    for cell in notebook.cells:
+        answer = cell.source if is_answer(cell) else answer
+        if is_grade(cell):
+            found.append({**judged(cell, masters.answers(blank), seconds), "answer": answer})
+    return found
 
 
 def executed(notebook: NotebookNode, folder: Path, seconds: int) -> None:
@@ -51,15 +55,15 @@ def executed(notebook: NotebookNode, folder: Path, seconds: int) -> None:
 
 
 def judged(cell: NotebookNode, empty: dict[str, str], seconds: int) -> dict:
-    """The marks of one cell that was run; nbgrader's rule, and what it leaves out."""
+    """The marks of one cell that was run, by nbgrader's rule, but a warning costs nothing."""
     name, points = masters.name_of(cell), float(masters.about(cell)["points"])
-    result = {"cell": name, "points": points, "mark": 0.0, "remark": "", "answer": ""}
+    result = {"cell": name, "points": points, "mark": 0.0, "remark": ""}
     if is_answer(cell):
-        result["answer"] = cell.source
         blank = cell.source.strip() == empty[name].strip()
         return {**result, "remark": "nothing was written"} if blank else {**result, "mark": None}
     if cell.execution_count is None:
         return {**result, "remark": NOT_RUN}
+    cell.outputs = [output for output in cell.outputs if output.get("name") != "stderr"]
     return {**result, "mark": determine_grade(cell)[0], "remark": complaint(cell, seconds)}
 
 

@@ -1,0 +1,191 @@
+"""The assignment on displacements: who is right gets the points, who is wrong loses those of the slip."""
+
+import math
+from itertools import permutations
+
+import numpy as np
+import pytest
+
+from kinlib import DualQuaternion, same_point, study_form
+from kinlib.exercises import displacements as exercise
+
+NAME = "displacements"
+
+SLIPS = {
+    "the sign of ε in equation (1) is dropped": (
+        {"carried": ("q.conjugate().eps_conjugate()", "q.conjugate()")},
+        {"carried-yours": 1, "carried-for-all": 2, "matrix-for-all": 2, "carry-yours": 2},
+    ),
+    "a pose is taken to have length 1": (
+        {"carried": ("(image / image.scalar_part)", "image")},
+        {"carried-yours": 1, "carried-for-all": 2, "matrix-for-all": 2, "carry-yours": 2},
+    ),
+    "the conjugate is forgotten": (
+        {"carried": ("q.conjugate().eps_conjugate()", "q.eps_conjugate()")},
+        {"carried-yours": 1, "carried-for-all": 2, "matrix-for-all": 2, "carry-yours": 2},
+    ),
+    "the translation is not halved": (
+        {"shift": (" / 2", "")},
+        {"shift-for-all": 1, "pose-of-yours": 1, "pose-of-half-turns": 2, "carry-yours": 2},
+    ),
+    "the moment is l × a": (
+        {"half_turn_about": ("np.cross(a, l)", "np.cross(l, a)")},
+        {"half-turn-yours": 1, "half-turn-for-all": 2, "turn-yours": 1, "turn-for-all": 2},
+    ),
+    "degrees for radians": (
+        {"turn": ("    h =", "    angle = math.radians(angle)\n    h =")},
+        {"turn-yours": 1, "turn-for-all": 2},
+    ),
+    "the whole angle for its half": (
+        {"turn": ("math.cos(angle / 2) + math.sin(angle / 2)", "math.cos(angle) + math.sin(angle)")},
+        {"turn-yours": 1, "turn-for-all": 2},
+    ),
+    "the factors are in the wrong order": (
+        {"in_turn": ("second * first", "first * second")},
+        {"in-turn-for-all": 1},
+    ),
+    "always the root of the trace, which fails for half-turns": (
+        {"pose_of": ("max(multiples, key=lambda w: w.norm().scalar_part)", "multiples[0]")},
+        {"pose-of-half-turns": 2},
+    ),
+    "rows and columns are exchanged": (
+        {"matrix_of": ("for *row, shift in zip(*columns, t, strict=True)", "for row, shift in zip(columns, t)")},
+        {"matrix-for-all": 2},
+    ),
+    "the value of the visible check is returned": (
+        {"carried": "def carried(q, x):\n    return (-1, 0, 5) if x == (1, 0, 5) else (4, 5, 0)"},
+        {"carried-yours": 1, "carried-for-all": 2, "matrix-for-all": 2, "carry-yours": 2},
+    ),
+    "the student's own pose, whatever was written": (
+        {"from_library": "def from_library(library, numbers):\n    return pose"},
+        {"from-library-for-all": 2},
+    ),
+    "a neighbour's displacement": (
+        {"carry": "carry = DualQuaternion([0, 2, 1, 2, 1, 3, 0, -1])"},
+        {"carry-yours": 2},
+    ),
+    "kinlib is asked": (
+        {
+            "carried": "import kinlib\n\n\ndef carried(q, x):\n    return kinlib.act(q, x)",
+            "pose_of": "def pose_of(matrix):\n    return kinlib.from_matrix(matrix)",
+        },
+        {"carried-yours": 1, "carried-for-all": 2, "matrix-for-all": 2, "pose-of-yours": 1, "pose-of-half-turns": 2},
+    ),
+}
+
+ANOTHER_WAY = {
+    "carried": """
+def rotation_and_shift(q):
+    w, *v = (x / 1.0 for x in q.coeffs[:4])
+    e, *u = (x / 1.0 for x in q.coeffs[4:])
+    v, u = np.array(v), np.array(u)
+    size = w * w + v @ v
+    cross = np.array([[0, -v[2], v[1]], [v[2], 0, -v[0]], [-v[1], v[0], 0]])
+    return np.eye(3) + 2 * (w * cross + cross @ cross) / size, 2 * (w * u - e * v + np.cross(v, u)) / size
+
+
+def carried(q, x):
+    R, t = rotation_and_shift(q)
+    return tuple(R @ np.array(x, dtype=float) + t)
+""",
+    "shift": "def shift(v):\n    return DualQuaternion([-2, 0, 0, 0, 0, *(-1 * np.array(v))])",
+    "half_turn_about": """
+def half_turn_about(a, b):
+    (a1, a2, a3), (b1, b2, b3) = a, b
+    moment = (a2 * b3 - a3 * b2) * i + (a3 * b1 - a1 * b3) * j + (a1 * b2 - a2 * b1) * k
+    return (a1 - b1) * i + (a2 - b2) * j + (a3 - b3) * k - eps * moment
+""",
+    "turn": """
+def turn(a, b, angle):
+    l = np.array(b, dtype=float) - a
+    l /= np.linalg.norm(l)
+    there = shift(np.array(a, dtype=float))
+    back = shift(-np.array(a, dtype=float))
+    return there * DualQuaternion([1 / math.tan(angle / 2), *l, 0, 0, 0, 0]) * back
+""",
+    "in_turn": "def in_turn(first, second):\n    return -(first.conjugate() * second.conjugate()).conjugate()",
+    "matrix_of": """
+def matrix_of(q):
+    R, t = rotation_and_shift(q)
+    return np.block([[R, t[:, None]], [np.zeros((1, 3)), np.ones((1, 1))]])
+""",
+    "pose_of": """
+def pose_of(matrix):
+    M = np.array(matrix, dtype=float)
+    R, t = M[:3, :3], M[:3, 3]
+    squares = 1 + np.array([R.trace(), *(2 * R.diagonal() - R.trace())])
+    best = int(squares.argmax())
+    p = np.zeros(4)
+    p[best] = np.sqrt(squares[best]) / 2
+    skew = [R[2, 1] - R[1, 2], R[0, 2] - R[2, 0], R[1, 0] - R[0, 1]]
+    if best == 0:
+        p[1:] = np.array(skew) / (4 * p[0])
+    else:
+        p[0] = skew[best - 1] / (4 * p[best])
+        for n in {1, 2, 3} - {best}:
+            p[n] = (R[n - 1, best - 1] + R[best - 1, n - 1]) / (4 * p[best])
+    p = DualQuaternion([*p, 0, 0, 0, 0])
+    return p + eps * DualQuaternion([0, *t, 0, 0, 0, 0]) * p / 2
+""",
+    "from_library": """
+def from_library(library, numbers):
+    p, d = np.array(numbers[:4]), np.array(numbers[4:])
+    own = np.array(pose.coeffs)
+    sample = np.array(samples[library])
+    if (sample[:4] == own[:4]).all():
+        return [*p, *-d]
+    if sample[3] == own[0] and sample[0] == own[1]:
+        return [p[3], *p[:3], d[3], *d[:3]]
+    return [p[0], *-p[1:], d[0], *-d[1:]]
+""",
+    "carry": """
+u, v = np.subtract(b, a), np.subtract(d, c)
+axis = np.cross(u, v)
+straight = turn((0, 0, 0), axis, math.atan2(np.linalg.norm(axis), u @ v))
+carry = shift(c) * straight * shift(np.negative(a))
+""",
+}
+
+
+@pytest.mark.parametrize("student", ["ada", "emmy", "sophus"])
+def test_the_solution_gets_full_marks(lost, student):
+    assert lost(NAME, {}, student) == {}
+
+
+def test_the_blank_copy_gets_nothing(grade):
+    result = grade(NAME)
+    assert sum(mark["points"] for mark in result.marks) == 20
+    assert [mark["mark"] for mark in result.marks] == [0] * len(result.marks)
+
+
+@pytest.mark.parametrize("slip", SLIPS)
+def test_a_slip_costs_its_points(lost, slip):
+    changes, points = SLIPS[slip]
+    assert lost(NAME, changes) == points
+
+
+def test_another_way_keeps_all_points(lost):
+    assert lost(NAME, ANOTHER_WAY) == {}
+
+
+def test_numbers_are_well_conditioned():
+    found = [exercise.data(f"student {n}") for n in range(3000)]
+    assert len(set(found)) == len(found)
+    assert len({one.pose for one in found}) > 2900
+    for pose, a, b, c, d in found:
+        q = DualQuaternion(pose)
+        assert 0 not in pose
+        assert max(map(abs, pose)) <= 27
+        assert study_form(q, q) == 0
+        assert math.dist(a, b) == math.dist(c, d) >= 3
+        assert np.any(np.cross(a, np.subtract(b, a)))
+        assert abs(np.dot(np.subtract(b, a), np.subtract(d, c))) <= 0.9 * math.dist(a, b) ** 2
+
+
+def test_libraries_can_be_told_apart():
+    ways = [exercise.conventions(f"student {n}") for n in range(60)]
+    assert {tuple(way.values()) for way in ways} == set(permutations(exercise.WAYS))
+    q = DualQuaternion(exercise.data("ada").pose)
+    for way in exercise.WAYS:
+        others = [exercise.read(other, exercise.written(way, q)) for other in exercise.WAYS]
+        assert [same_point(DualQuaternion(x), q) for x in others] == [other == way for other in exercise.WAYS]
