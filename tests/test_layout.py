@@ -45,6 +45,7 @@ ORDER = [
     "exercises.withhold",
     "exercises.checks",
     "exercises.dual_quaternions",
+    "exercises.displacements",
 ]
 PICTURES = {"draw", "scene"}
 

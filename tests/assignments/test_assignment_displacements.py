@@ -14,7 +14,7 @@ NAME = "displacements"
 SLIPS = {
     "the sign of ε in equation (1) is dropped": (
         {"carried": ("q.conjugate().eps_conjugate()", "q.conjugate()")},
-        {"carried-yours": 1, "carried-for-all": 2, "matrix-for-all": 2, "carry-yours": 2},
+        {"carried-yours": 1, "carried-for-all": 2, "matrix-for-all": 2},
     ),
     "a pose is taken to have length 1": (
         {"carried": ("(image / image.scalar_part)", "image")},
@@ -22,7 +22,7 @@ SLIPS = {
     ),
     "the conjugate is forgotten": (
         {"carried": ("q.conjugate().eps_conjugate()", "q.eps_conjugate()")},
-        {"carried-yours": 1, "carried-for-all": 2, "matrix-for-all": 2, "carry-yours": 2},
+        {"carried-yours": 1, "carried-for-all": 2, "matrix-for-all": 2},
     ),
     "the translation is not halved": (
         {"shift": (" / 2", "")},
