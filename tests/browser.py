@@ -2,6 +2,8 @@
 
 import json
 import shutil
+import time
+from contextlib import contextmanager
 
 FLAGS = (
     "--headless=new",
@@ -50,3 +52,23 @@ def requested_urls(driver) -> list[str]:
     """What the pages asked for since the last call, frames and workers included."""
     messages = (json.loads(entry["message"])["message"] for entry in driver.get_log("performance"))
     return [m["params"]["request"]["url"] for m in messages if m["method"] == "Network.requestWillBeSent"]
+
+
+@contextmanager
+def screen(driver, width: int, height: int = 800):
+    """A screen of another size, a phone's if it is narrow."""
+    metrics = {"width": width, "height": height, "deviceScaleFactor": 1, "mobile": width < 600}
+    driver.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", metrics)
+    try:
+        yield
+    finally:
+        driver.execute_cdp_cmd("Emulation.clearDeviceMetricsOverride", {})
+
+
+def wait_until(condition, seconds: float = 60):
+    """Wait for something to become true, and return it."""
+    end = time.monotonic() + seconds
+    while not (value := condition()):
+        assert time.monotonic() < end, "waited in vain"
+        time.sleep(0.1)
+    return value

@@ -3,7 +3,6 @@
 import doctest
 import json
 import re
-import time
 from html.parser import HTMLParser
 from pathlib import Path
 from urllib.parse import unquote, urlsplit
@@ -11,22 +10,8 @@ from urllib.parse import unquote, urlsplit
 import pytest
 
 import kinlib
-from browser import console_messages, requested_urls
-
-ROOT = Path(__file__).resolve().parents[1]
-HTML = ROOT / "_build" / "html"
-
-
-def found(folder: Path, pattern: str) -> list[Path]:
-    """The files below a folder, but for what Jupyter and Sphinx put there for themselves."""
-    own = {".ipynb_checkpoints", "_static"}
-    return sorted(path for path in folder.rglob(pattern) if not own & set(path.relative_to(folder).parts))
-
-
-TEXTS = found(ROOT / "book", "*.md")
-NOTEBOOKS = found(ROOT / "book", "*.ipynb")
-PAGES = [path.relative_to(HTML).as_posix() for path in found(HTML, "*.html")]
-SCENES = [page for page in PAGES if 'class="kinlib-scene"' in (HTML / page).read_text(encoding="utf-8")]
+from browser import screen, wait_until
+from pages import NOTEBOOKS, PAGES, ROOT, SCENES, TEXTS
 
 
 def name_of(path: Path) -> str:
@@ -124,12 +109,6 @@ def test_links_lead_somewhere(links, html, page):
 
 # ---- built pages, in a browser, from files, without a network --------------------------------------------
 
-SETTLED = """
-const done = arguments[0];
-const settle = window.MathJax && MathJax.startup ? MathJax.startup.promise : Promise.resolve();
-settle.then(() => requestAnimationFrame(() => done(true)));
-"""
-
 RAW_TEX = r"""
 const root = document.querySelector("main") || document.body;
 const walker = document.createTreeWalker(root, NodeFilter.SHOW_TEXT);
@@ -141,36 +120,6 @@ while (walker.nextNode()) {
 }
 return found;
 """
-
-
-@pytest.fixture
-def page(chromium, html):
-    """Opens a page of the book and waits for its mathematics; afterwards nothing may have been amiss."""
-    chromium.set_script_timeout(60)
-    chromium.get("about:blank")
-    console_messages(chromium), requested_urls(chromium)
-
-    def open_page(name: str):
-        chromium.get((html / name.partition("?")[0]).as_uri() + "".join(name.partition("?")[1:]))
-        chromium.execute_async_script(SETTLED)
-        return chromium
-
-    yield open_page
-    assert [url for url in requested_urls(chromium) if is_elsewhere(url)] == []
-    assert console_messages(chromium) == []
-
-
-def is_elsewhere(url: str) -> bool:
-    return urlsplit(url).scheme not in ("file", "data", "blob", "about")
-
-
-def wait_until(condition, seconds: float = 60):
-    """Wait for something to become true, and return it."""
-    end = time.monotonic() + seconds
-    while not (value := condition()):
-        assert time.monotonic() < end, "waited in vain"
-        time.sleep(0.1)
-    return value
 
 
 @pytest.mark.parametrize("name", PAGES)
@@ -185,12 +134,8 @@ def test_mathematics_is_set(page, name):
 
 @pytest.mark.parametrize("name", PAGES)
 def test_a_phone_need_not_scroll_sideways(chromium, page, name):
-    phone = {"width": 390, "height": 800, "deviceScaleFactor": 1, "mobile": True}
-    chromium.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", phone)
-    try:
+    with screen(chromium, 390):
         assert page(name).execute_script("return document.documentElement.scrollWidth") <= 390
-    finally:
-        chromium.execute_cdp_cmd("Emulation.clearDeviceMetricsOverride", {})
 
 
 def test_search_finds_a_page(page):
