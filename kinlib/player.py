@@ -13,6 +13,7 @@ import html
 import importlib.util
 import json
 import os
+from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -49,7 +50,7 @@ def _sign(coefficients: np.ndarray) -> float:
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)
-class Playable:
+class Playable(ABC):
     """What can be shown on a page and saved to a file."""
 
     alt: str
@@ -70,13 +71,13 @@ class Playable:
         return f"<{type(self).__name__} of {self.frames} frames: {self.alt}>"
 
     @property
+    @abstractmethod
     def frames(self) -> int:
         """The number of frames; 1 if nothing moves."""
-        raise NotImplementedError
 
+    @abstractmethod
     def cells(self) -> list[dict]:
         """The views that the page shows next to each other."""
-        raise NotImplementedError
 
     def recording(self) -> dict:
         """All that the player needs, ready to be written as JSON."""
