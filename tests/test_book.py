@@ -8,6 +8,7 @@ from pathlib import Path
 from urllib.parse import unquote, urlsplit
 
 import pytest
+from selenium.webdriver.common.keys import Keys
 
 import kinlib
 from browser import screen, wait_until
@@ -16,6 +17,10 @@ from pages import NOTEBOOKS, PAGES, ROOT, SCENES, TEXTS
 
 def name_of(path: Path) -> str:
     return path.relative_to(ROOT).as_posix()
+
+
+def has_page(path: Path) -> bool:
+    return Path(name_of(path)).with_suffix(".html").as_posix() in PAGES
 
 
 def blocks(text: str, language: str) -> list[str]:
@@ -69,6 +74,13 @@ def test_notebooks_were_saved_after_one_clean_run(path):
     assert [o for o in outputs if o["output_type"] == "error" or o.get("name") == "stderr"] == []
 
 
+def test_the_project_has_one_address():
+    files = ("_config.yml", "CITATION.cff", "pyproject.toml", "book/index.ipynb")
+    for name in files:
+        found = re.findall(r"https://github\.com/[\w/-]*", (ROOT / name).read_text(encoding="utf-8"))
+        assert found == ["https://github.com/kinlib-developers/kinlib"], name
+
+
 # ---- built pages, as text --------------------------------------------------------------------------------
 
 
@@ -107,6 +119,30 @@ def test_links_lead_somewhere(links, html, page):
     assert [target for target in links[here].targets if is_broken(here, target, links)] == []
 
 
+@pytest.mark.parametrize("path", [path for path in NOTEBOOKS if has_page(path)], ids=name_of)
+def test_notebook_pages_offer_their_notebook(links, html, path):
+    name = name_of(path)
+    page = (html / name).with_suffix(".html").resolve()
+    offers = [target for target in links[page].targets if target.endswith(".ipynb")]
+    download, binder, colab = sorted(offers, key=lambda target: ("colab" in target, "binder" in target))
+    assert (page.parent / download).read_bytes() == path.read_bytes()
+    assert binder == f"https://mybinder.org/v2/gh/kinlib-developers/kinlib/main?urlpath=lab/tree/{name}"
+    assert colab == f"https://colab.research.google.com/github/kinlib-developers/kinlib/blob/main/{name}"
+
+
+@pytest.mark.parametrize("path", [path for path in TEXTS if has_page(path)], ids=name_of)
+def test_other_pages_launch_nothing(links, html, path):
+    page = (html / name_of(path)).with_suffix(".html").resolve()
+    assert [target for target in links[page].targets if "binder" in target or "colab" in target] == []
+
+
+@pytest.mark.parametrize("page", PAGES)
+def test_pages_are_light(links, html, page):
+    here = (html / page).resolve()
+    images = {here.parent / target for target in links[here].targets if "_images/" in target}
+    assert sum(file.stat().st_size for file in (here, *images)) <= 1_000_000
+
+
 # ---- built pages, in a browser, from files, without a network --------------------------------------------
 
 RAW_TEX = r"""
@@ -138,10 +174,13 @@ def test_a_phone_need_not_scroll_sideways(chromium, page, name):
         assert page(name).execute_script("return document.documentElement.scrollWidth") <= 390
 
 
-def test_search_finds_a_page(page):
-    driver = page("search.html?q=quadric")
-    results = "return document.querySelectorAll('#search-results li a').length"
-    assert wait_until(lambda: driver.execute_script(results))
+def test_search_finds_what_a_reader_types(page):
+    driver = page("book/index.html")
+    driver.find_element("css selector", ".search-button").click()
+    driver.find_element("css selector", "#pst-search-dialog input").send_keys("Goldberg", Keys.ENTER)
+    results = "return [...document.querySelectorAll('#search-results li a')].map(({ pathname }) => pathname)"
+    found = wait_until(lambda: driver.execute_script(results))
+    assert [path for path in found if path.endswith("book/synthesis/goldberg_5r.html")]
 
 
 MOVE_SLIDER = """
