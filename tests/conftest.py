@@ -37,7 +37,7 @@ def chromium():
 @pytest.fixture
 def page(chromium, html):
     """Opens a page of the book and waits for its mathematics; afterwards nothing may have been amiss."""
-    chromium.set_script_timeout(60)
+    chromium.set_script_timeout(120)
     chromium.get("about:blank")
     console_messages(chromium), requested_urls(chromium)
 
