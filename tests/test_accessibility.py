@@ -43,9 +43,9 @@ def complaints(driver) -> list[str]:
 @pytest.mark.parametrize("name", PAGES)
 def test_axe_finds_nothing_serious(chromium, still, page, name):
     driver = page(name)
-    assert complaints(driver) == []
-    with screen(chromium, 390):
-        assert complaints(driver) == []
+    for width in (1300, 390):
+        with screen(chromium, width):
+            assert complaints(driver) == []
     for frame in driver.find_elements("css selector", "iframe"):
         driver.switch_to.frame(frame)
         wait_until(lambda: driver.find_elements("css selector", ".controls"))

@@ -46,6 +46,7 @@ ORDER = [
     "exercises.checks",
     "exercises.dual_quaternions",
     "exercises.displacements",
+    "exercises.two_r_spaces",
     "exercises.null_lines",
 ]
 PICTURES = {"draw", "scene"}

@@ -11,7 +11,7 @@ NAME = "two_r_spaces"
 SLIPS = {
     "the Study form is half of what it should be": (
         {"study_matrix": ("x.coeffs * y.coeffs[swapped]", "x.coeffs[:4] * y.coeffs[4:]")},
-        {"study-gram": 2, "verdict-of-any": 2, "verdicts-of-yours": 1},
+        {"study-gram": 2, "verdict-of-any": 2, "verdicts-of-yours": 1, "axes-in-any-order": 2, "axes-in-order": 2},
     ),
     "the null form counts the dual parts": (
         {"null_matrix": ("sum(x.coeffs[:4] * y.coeffs[:4])", "sum(x.coeffs * y.coeffs)")},
@@ -89,7 +89,7 @@ def kappa(A):
     half = polynomial[1] / 2
     last = (polynomial[2] - half**2) / 2
     square = A * A + half * A
-    return last if all(square[r, s] == -last * (r == s) for r in range(4) for s in range(4)) else None
+    return last if all(square[r, s] == -last * int(r == s) for r in range(4) for s in range(4)) else None
 """,
     "proportions": """
 def proportions(A):
