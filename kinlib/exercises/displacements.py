@@ -253,6 +253,7 @@ def assert_matrix(answer, q) -> None:
         "that is the matrix of the way back": as_matrix(q.conjugate()),
         "the shift has the wrong sign": as_matrix(q.eps_conjugate()),
         "it is not divided by p p̄: a pose may have any length": right * q.norm().scalar_part,
+        "the shift is missing: where does the origin go?": as_matrix(q.primal),
         "the shift is twice too large": doubled,
         "the coordinate 1 stands first here: it comes last": np.roll(right, 1, axis=(0, 1)),
     }

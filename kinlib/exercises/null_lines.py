@@ -189,7 +189,9 @@ def assert_forms(answer, x: DualQuaternion, y: DualQuaternion) -> None:
     """Fail unless the answer holds the null form and the Study form of two points."""
     right = null_form(x, y), study_form(x, y)
     half = sum(a * b for a, b in zip(x.coeffs[:4], y.coeffs[4:], strict=True))
+    square = (x * y + y * x) / 2
     slips = {
+        "the conjugates are missing: x ȳ and y x̄": square.coeffs[[0, 4]],
         "both are twice too large: x ȳ + y x̄ holds each product twice": (2 * right[0], 2 * right[1]),
         "the Study form is half as large: p of the first with d of the second, and the other way round": (
             right[0],

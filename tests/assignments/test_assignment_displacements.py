@@ -61,7 +61,7 @@ SLIPS = {
         {"from-library-for-all": 2},
     ),
     "a neighbour's displacement": (
-        {"carry": "carry = DualQuaternion([0, 2, 1, 2, 1, 3, 0, -1])"},
+        {"carry": "carry = DualQuaternion([0, 2, 1, 2, 0, 3, 0, -3])"},
         {"carry-yours": 2},
     ),
     "kinlib is asked": (
