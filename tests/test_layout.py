@@ -46,8 +46,9 @@ ORDER = [
     "exercises.checks",
     "exercises.dual_quaternions",
     "exercises.displacements",
-    "exercises.two_r_spaces",
     "exercises.null_lines",
+    "exercises.two_r_spaces",
+    "exercises.bennett",
 ]
 PICTURES = {"draw", "scene"}
 

@@ -1,0 +1,194 @@
+"""The assignment on Bennett linkages: who is right gets the points, who is wrong loses those of the slip."""
+
+import numpy as np
+import pytest
+
+from kinlib import DualQuaternion, bennett_linkage, one, study_eigenvalues, study_form
+from kinlib.exercises import bennett as exercise
+from kinlib.factorization import upper_roots
+from kinlib.interpolation import conic
+
+NAME = "bennett"
+UNIT = "h / math.sqrt(null_form(h, h))"
+
+SLIPS = {
+    "the weights are left out": (
+        {"conic": ("first, second = p1 * b02 / b12, p2 * b01 / b12", "first, second = p1, p2")},
+        {"conic-on-quadric": 1},
+    ),
+    "the poses are exchanged": ({"conic": ("def conic(p1, p2)", "def conic(p2, p1)")}, {"conic-passes": 2}),
+    "the leading coefficient is left": (
+        {"conic": ("[one, second - first - 1, first]", "[one * b12, (second - first - 1) * b12, first * b12]")},
+        {"conic-passes": 2},
+    ),
+    "the conjugate is forgotten": (
+        {
+            "quartic": "def quartic(C):\n    c2, c1, c0 = C\n    parts = c2 * c2, c2 * c1 + c1 * c2, "
+            "c2 * c0 + c1 * c1 + c0 * c2, c1 * c0 + c0 * c1, c0 * c0\n    return [x.scalar_part for x in parts]"
+        },
+        {"quartic-of-conic": 2},
+    ),
+    "the sign of the linear term is wrong": (
+        {"quadratics": ("-2 * root.real", "2 * root.real")},
+        {"quadratics-of-quartic": 2},
+    ),
+    "the visible test's value is returned": (
+        {"quadratics": "def quadratics(coefficients):\n    return [(1, 0, 1), (1, 0, 4)]"},
+        {"quadratics-of-quartic": 2},
+    ),
+    "the factors of the quotient are in the wrong order": (
+        {"right_factor": ("-((c1 - c2 * b).inverse() * (c0 - c2 * c))", "-((c0 - c2 * c) * (c1 - c2 * b).inverse())")},
+        {"right-factor": 2, "first-factorization": 2, "second-factorization": 1},
+    ),
+    "the factors are in the wrong order": (
+        {"both_factorizations": ("(-C[1] - last, last)", "(last, -C[1] - last)")},
+        {"first-factorization": 2, "second-factorization": 1},
+    ),
+    "one factorization is given twice": (
+        {"both_factorizations": ("for M in (M2, M1)", "for M in (M2, M2)")},
+        {"second-factorization": 1},
+    ),
+    "the conjugates of the loop are forgotten": (
+        {"loop": ("k2.conjugate(), k1.conjugate()", "k2, k1")},
+        {"loop-closes": 2},
+    ),
+    "degrees for radians": (
+        {"link": ("/ math.sin(angle), angle", "/ math.sin(angle), math.degrees(angle)")},
+        {"link-angle": 1},
+    ),
+    "the real parts are left in": (
+        {"link": ("(h - h.scalar_part) / math.sqrt(null_form(h - h.scalar_part, h - h.scalar_part))", UNIT)},
+        {"link-distance": 2, "link-angle": 1},
+    ),
+    "the null form is forgotten": (
+        {"ratio": ("np.linalg.solve(N, S)", "S")},
+        {"ratio-of-poses": 2},
+    ),
+    "kinlib is asked": (
+        {
+            "both_factorizations": "from kinlib import MotionPolynomial, factorizations\n\n\n"
+            "def both_factorizations(C, M1, M2):\n    return factorizations(MotionPolynomial([c.coeffs for c in C]))"
+        },
+        {"first-factorization": 2, "second-factorization": 1},
+    ),
+}  # fmt: skip
+
+ANOTHER_WAY = {
+    "conic": """
+def conic(p1, p2):
+    values = [float(study_form(x, y)) for x, y in ((one, p1), (one, p2), (p1, p2))]
+    at = lambda t: one * (values[2] * t * (t - 1)) - p1 * (values[1] * (t - 1)) + p2 * (values[0] * t)
+    c0, c2 = at(0), (at(1) + at(-1) - 2 * at(0)) / 2
+    c1 = at(1) - c2 - c0
+    return tuple(c / c2.scalar_part for c in (c2, c1, c0))
+""",
+    "quartic": """
+def quartic(C):
+    total = [0 * one] * 5
+    for n, a in enumerate(C):
+        for m, b in enumerate(C):
+            total[n + m] = total[n + m] + a * b.conjugate()
+    return np.array([x.scalar_part for x in total])
+""",
+    "quadratics": """
+from sympy import Poly, Rational, Symbol
+
+def quadratics(coefficients):
+    t = Symbol("t")
+    exact = [Rational(str(Fraction(x).limit_denominator(10**6))) for x in coefficients]
+    found = [f.monic().all_coeffs() for f, power in Poly(exact, t).factor_list()[1] for _ in range(power)]
+    return [tuple(Fraction(int(x.p), int(x.q)) for x in row) for row in found][::-1]
+""",
+    "right_factor": """
+def right_factor(C, M):
+    def left(q):
+        units = np.eye(8, dtype=int)
+        return np.array([(q * DualQuaternion(row)).coeffs for row in units], dtype=float).T
+    r1, r0 = C[1] - M[1] * C[0], C[2] - M[2] * C[0]
+    return DualQuaternion(np.linalg.solve(left(r1), -np.array(r0.coeffs, dtype=float)))
+""",
+    "both_factorizations": """
+def both_factorizations(C, M1, M2):
+    h2 = right_factor(C, M2)
+    h1 = C[2] * h2.inverse()
+    v = h1.conjugate() - h2
+    k2 = v.inverse() * h1 * v
+    return [(h1, h2), [h1 + h2 - k2, k2]]
+""",
+    "body": """
+def body(pair, t):
+    if t == np.inf:
+        return one + 0 * pair[0]
+    return -3 * (pair[0] * pair[1] - t * (pair[0] + pair[1]) + t * t)
+""",
+    "loop": """
+def loop(first, second):
+    back = [2 * k.scalar_part - k for k in second]
+    return (*first, *back[::-1])
+""",
+    "link": """
+def link(f, g):
+    (l, m), (k, n) = ((np.array(h.coeffs[1:4], dtype=float), np.array(h.coeffs[5:], dtype=float)) for h in (f, g))
+    (l, m), (k, n) = (l / np.linalg.norm(l), m / np.linalg.norm(l)), (k / np.linalg.norm(k), n / np.linalg.norm(k))
+    normal = np.cross(l, k)
+    gap = np.cross(k, n) - np.cross(l, m)
+    return abs(gap @ normal) / np.linalg.norm(normal), np.arctan2(np.linalg.norm(normal), l @ k)
+""",
+    "ratio": """
+def ratio(p1, p2):
+    C = conic(p1, p2)
+    first, _ = both_factorizations(C, *quadratics(quartic(C)))
+    a, alpha = link(*first)
+    return a / math.sin(alpha)
+""",
+}
+
+
+@pytest.mark.parametrize("student", ["ada", "emmy", "sophus"])
+def test_the_solution_gets_full_marks(lost, student):
+    assert lost(NAME, {}, student) == {}
+
+
+def test_the_blank_copy_gets_nothing(grade):
+    result = grade(NAME)
+    assert sum(mark["points"] for mark in result.marks) == 20
+    assert [mark["mark"] for mark in result.marks] == [0] * len(result.marks)
+
+
+@pytest.mark.parametrize("slip", SLIPS)
+def test_a_slip_costs_its_points(lost, slip):
+    changes, points = SLIPS[slip]
+    assert lost(NAME, changes) == points
+
+
+def test_another_way_keeps_all_points(lost):
+    assert lost(NAME, ANOTHER_WAY) == {}
+
+
+def test_poses_are_well_conditioned():
+    found = [exercise.data(f"student {n}") for n in range(3000)]
+    p1, p2 = (
+        DualQuaternion(np.array([x.components.tolist() for x in row], dtype=float)) for row in zip(*found, strict=True)
+    )
+    both = np.concatenate([p1.coeffs, p2.coeffs], axis=1)
+    assert len(np.unique(both, axis=0)) == len(found)
+    assert np.abs(both).max() < 200
+    assert np.abs(study_form(p1, p1)).max() == np.abs(study_form(p2, p2)).max() == 0
+    roots = upper_roots(conic(one.astype(float), p1, p2).norm_polynomial())
+    assert np.abs(roots[:, 0] - roots[:, 1]).min() > 0.3
+    assert roots.imag.min() > 0.9
+    assert np.diff(study_eigenvalues(one, p1, p2)).min() > 0.01
+    check_linkages(bennett_linkage(one.astype(float), p1, p2))
+
+
+def check_linkages(linkages):
+    """All links are of like size, no axes nearly parallel, and the loops close."""
+    rows = linkages.denavit_hartenberg()
+    distances, sines = (np.array([getattr(row, name) for row in rows]) for name in ("distance", "twist"))
+    sines = np.abs(np.sin(sines))
+    assert distances.min() > 0.49
+    assert distances.max() < 4.01
+    assert sines.min() > 0.49
+    assert np.ptp(distances / sines, axis=0).max() < 1e-9
+    assert np.max(linkages.closure_residual()) < 1e-9
+    assert np.abs(linkages.axes.coeffs).max() < 10
