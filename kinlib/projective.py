@@ -40,8 +40,8 @@ def same_point(x, y, *, rtol: float = RTOL, length: float = 1.0):
     >>> same_point(1 + i, -2 - 2 * i), same_point(1 + i, 1 - i)
     (True, False)
     """
-    x, y = (_measured(coordinates_of(point), length) for point in (x, y))
-    x, y = np.broadcast_arrays(*promote(x, y))
+    x, y = promote(*(coordinates_of(point) for point in (x, y)))
+    x, y = np.broadcast_arrays(_measured(x, length), _measured(y, length))
     pivot = np.expand_dims(_largest(y), -1)
     minors = x * np.take_along_axis(y, pivot, -1) - y * np.take_along_axis(x, pivot, -1)
     scale = 0 if is_exact(minors) else (size(x, axis=-1) * size(y, axis=-1))[..., None]

@@ -132,6 +132,8 @@ def test_tolerances_scale_with_the_data():
 def test_a_point_is_compared_up_to_a_factor():
     pose = i + eps * j
     assert_point(-3 * pose, pose, "the pose")
+    far = 1 + i + 6000 * eps * j
+    assert_point(0.7 * far.astype(float), far, "the pose")
     for wrong in (i - eps * j, 0 * i, j):
         with pytest.raises(AssertionError):
             assert_point(wrong, pose, "the pose")

@@ -65,6 +65,14 @@ def test_exact_points_have_no_tolerance():
     assert same_point(one * Fraction(1, 10**400), one)
 
 
+@pytest.mark.parametrize("length", [0.01, 1.5, 6.0, 1e6])
+def test_a_float_and_an_exact_point_are_measured_alike(length):
+    q = 1 + i + 6 * eps * j - Fraction(1, 3) * eps * k
+    assert same_point(-0.7 * q.astype(float), q, length=length)
+    assert same_point(q, -0.7 * q.astype(float), length=length)
+    assert not same_point(q.astype(float), q.eps_conjugate(), length=length)
+
+
 def test_lengths_are_measured_in_the_given_unit():
     q = 1.0 + 1e9 * eps * i
     assert same_point(q, q + 1e-2 * j)  # beside a dual part of 10⁹ the primal part is not seen
