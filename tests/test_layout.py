@@ -49,6 +49,7 @@ ORDER = [
     "exercises.null_lines",
     "exercises.two_r_spaces",
     "exercises.bennett",
+    "exercises.goldberg",
 ]
 PICTURES = {"draw", "scene"}
 

@@ -1,0 +1,270 @@
+"""The assignment on a Goldberg linkage: who is right gets the points, who is wrong loses those of the slip."""
+
+from fractions import Fraction
+
+import numpy as np
+import pytest
+
+from kinlib import DualQuaternion, Dyad, goldberg_linkages, one, same_point
+from kinlib.exercises import goldberg as exercise
+
+NAME = "goldberg"
+DESIGN = {"design-room": 1, "design-lengths": 1, "design-travel": 1}
+ADAS = "z = 2.033 - 1.567j"  # keeps to her brief, whatever her functions say
+
+SLIPS = {
+    "s_A and s_B are exchanged": (
+        {"parameters": ("return -x2 / x3, -x1 / x3", "return -x1 / x3, -x2 / x3")},
+        {"pose-parameters": 1, "poses-are-met": 1, "closed-loop": 1},
+    ),
+    "a dyad's method is asked": (
+        {
+            "coordinates": "from kinlib import Dyad\n\n\ndef coordinates(pose, hA, hB):\n"
+            "    return Dyad(hA, hB).coordinates(pose)"
+        },
+        {"pose-coordinates": 1, "pose-parameters": 1},
+    ),
+    "the sign of √−1 is dropped": (
+        {
+            "misfit": ("(s_A + 1j)", "(s_A - 1j)"),
+            "partner": ("(complex(s_A) + 1j)", "(complex(s_A) - 1j)"),
+        },
+        {"condition-of-a-pose": 1, "partner-of-z": 1, "poses-are-met": 1, "bad-places": 1, "closed-loop": 1},
+    ),
+    "the visible test's value is returned": (
+        {
+            "misfit": "def misfit(z1, z2, s):\n    return -10",
+            "partner": "def partner(z1, s1, s2):\n    return 2 + 0.75j",
+        },
+        {"condition-of-a-pose": 1, "partner-of-z": 1, "poses-are-met": 1, "bad-places": 1, "closed-loop": 1},
+    ),
+    "the factors are in the wrong order": (
+        {"chain": ("return (t - h1) * (t - h2) * (t - h3)", "return (t - h3) * (t - h2) * (t - h1)")},
+        {"poses-are-met": 1},
+    ),
+    "an absolute tolerance": (
+        {"what_is_wrong": ("size = max(abs(b1 - b2), abs(b1 - star), abs(b2 - star))", "size = 1")},
+        {"bad-places-any-size": 1},
+    ),
+    "the sides are exchanged": (
+        {"what_is_wrong": ('return "misses pose 1"', 'return "misses pose 2"')},
+        {"bad-places": 1, "bad-places-any-size": 1},
+    ),
+    "the second chain begins with A": (
+        {
+            "second_chain": "def second_chain(h1, h2, hB):\n    middle, k3 = bennett_flip(h2, hB)\n"
+            "    return h1, middle, k3"
+        },
+        {"partner-chain": 1, "closed-loop": 1},
+    ),
+    "the conjugate is forgotten": (
+        {"five_bar": ("second_chain(*first),", "[k.conjugate() for k in second_chain(*first)],")},
+        {"closed-loop": 1},
+    ),
+    "kinlib's own linkage": (
+        {
+            "five_bar": """
+from kinlib import DualQuaternion, Dyad, goldberg_linkages
+
+
+def five_bar(z1, s1, s2, hA, hB):
+    poses = [one, *((s_A - hA) * (s_B - hB) for s_A, s_B in (s1, s2))]
+    return goldberg_linkages(*poses, (z1.real, z1.imag))[0]
+"""
+        },
+        {"closed-loop": 1},
+    ),
+    "radians for degrees": (
+        {"dimensions": ("math.degrees(a.angle(b))", "float(a.angle(b))"), "travel": ("np.degrees(linkage", "(linkage")},
+        {"link-dimensions": 1, "joint-travel": 1},
+    ),
+    "links that move with their neighbours, and the end of a turn in place of its travel": (
+        {
+            "link_ends": ("act(moves[n], ", "act(moves[n - 1], "),
+            "travel": ("angles.max(axis=0) - angles.min(axis=0)", "abs(angles[-1] - angles[0])"),
+        },
+        {"ends-of-links": 1, "joint-travel": 1},
+    ),
+    "a neighbour's z": ({"design": "z = 4 - 1j"}, DESIGN),
+    "a z that gives no linkage": ({"design": "z = 2.0"}, DESIGN),
+}
+
+ANOTHER_WAY = {
+    "coordinates": """
+def coordinates(pose, hA, hB):
+    import sympy
+    columns = [[sympy.Rational(str(x)) for x in q.coeffs] for q in (one, hA, hB, hA * hB, pose)]
+    unknown = sympy.symbols("x:4")
+    equations = sympy.Matrix(columns[:4]).T * sympy.Matrix(unknown) - sympy.Matrix(columns[4])
+    return [sympy.solve(list(equations), unknown)[x] for x in unknown]
+""",
+    "parameters": """
+from fractions import Fraction
+
+
+def parameters(pose, hA, hB):
+    x = [Fraction(str(number)) for number in coordinates(pose, hA, hB)]
+    return x[0] / -x[1] if x[1] else None, x[0] / -x[2]
+""",
+    "misfit": """
+import cmath
+
+
+def misfit(z1, z2, s):
+    numbers = [s[1] - z1, s[0] + 1j, s[1] - z2]
+    return math.prod(map(abs, numbers)) * math.sin(sum(map(cmath.phase, numbers)))
+""",
+    "partner": """
+def partner(z1, s1, s2):
+    # the misfit is a + b x + c y: three values tell a, b, c
+    rows = []
+    for s in (s1, s2):
+        s = [float(x) for x in s]
+        a = misfit(z1, 0, s)
+        rows.append((misfit(z1, 1, s) - a, misfit(z1, 1j, s) - a, a))
+    (b, c, a), (e, f, d) = rows
+    return complex(c * d - f * a, e * a - b * d) / (b * f - c * e)
+""",
+    "chain": """
+def chain(z1, z2, hA, hB):
+    return [z1.real + z1.imag * hA, z2.real + z2.imag * hA, hB]
+
+
+def pose_at(chain, t):
+    from kinlib import linear_factor
+    return (linear_factor(chain[0]) * linear_factor(chain[1]) * linear_factor(chain[2]))(t)
+""",
+    "what_is_wrong": """
+def what_is_wrong(z1, s1, s2):
+    s1, s2 = [tuple(map(float, s)) for s in (s1, s2)]
+    w = [(b - z1) * (a + 1j) for a, b in (s1, s2)]
+    size = abs(s1[1] - s2[1])
+    if all(abs(x.imag) < 1e-8 * abs(x) for x in w):
+        return "Bennett"
+    if abs(z1.imag) < 1e-8 * size:
+        return "real"
+    if abs((w[0].conjugate() * w[1]).imag) < 1e-8 * abs(w[0]) * abs(w[1]):
+        return "circumcircle"
+    z2 = partner(z1, s1, s2)
+    if abs(z2 - s1[1]) < 1e-8 * size:
+        return "misses pose 1"
+    if abs(z2 - s2[1]) < 1e-8 * size:
+        return "misses pose 2"
+    return "same quadratic" if min(abs(z1 * z1 + 1), abs(z2 * z2 + 1)) < 1e-8 else ""
+""",
+    "second_chain": """
+from kinlib import factorize, linear_factor
+
+
+def second_chain(h1, h2, hB):
+    h1, h2, hB = (h.astype(float) for h in (h1, h2, hB))
+    C = linear_factor(h1) * linear_factor(h2) * linear_factor(hB)
+    quadratics = np.array([[1, -2 * h.scalar_part, (h * h.conjugate()).scalar_part] for h in (h1, h2, hB)])
+    return factorize(C, (2, 0, 1), quadratics)
+""",
+    "five_bar": """
+def five_bar(z1, s1, s2, hA, hB):
+    first = chain(z1, partner(z1, s1, s2), hA, hB)
+    factors = [*first, *(k.conjugate() for k in second_chain(*first)[::-1])]
+    return Linkage(factors, [2, 1, 1, 1, 1], 2, parameters=[np.inf, float(s1[1]), float(s2[1])])
+""",
+    "dimensions": """
+def dimensions(linkage):
+    rows = []
+    for n in range(5):
+        k, l = (linkage.axes[m].coeffs for m in (n - 1, n))
+        cross = np.cross(k[1:4], l[1:4])
+        sine, cosine = np.linalg.norm(cross), k[1:4] @ l[1:4]
+        rows.append([abs(k[1:4] @ l[5:] + k[5:] @ l[1:4]) / sine, np.degrees(np.arctan2(sine, cosine))])
+    return np.array(rows)
+""",
+    "link_ends": """
+def link_ends(linkage, t):
+    lines = [Line.from_dual_quaternion(h) for h in linkage.configuration(t)]
+    return np.array([common_perpendicular(lines[n - 1], lines[n]) for n in range(5)])
+""",
+    "travel": """
+def travel(linkage):
+    spins = []
+    for n in range(5):
+        spin = 0
+        for f in linkage.joint_factors(n):
+            root = complex(f.scalar_part, f.coeffs[1:4] @ linkage.axes[n].coeffs[1:4])
+            spin = spin + 2 * np.unwrap(np.angle(np.tan(np.linspace(-1.5707, 1.5707, 3000)) - root))
+        spins.append(np.degrees(spin.max() - spin.min()))
+    return spins
+""",
+    "design": ADAS,
+}
+
+
+@pytest.mark.parametrize("student", ["ada", "emmy", "sophus"])
+def test_the_solution_gets_full_marks(lost, student):
+    assert lost(NAME, {}, student) == {}
+
+
+def test_the_blank_copy_gets_nothing(grade):
+    result = grade(NAME)
+    assert sum(mark["points"] for mark in result.marks) == 20
+    assert [mark["mark"] for mark in result.marks] == [0] * len(result.marks)
+
+
+def test_the_argument_waits_for_a_person(grade):
+    result = grade(NAME, {})
+    (waiting,) = [mark for mark in result.marks if mark["mark"] is None]
+    assert (waiting["cell"], waiting["points"]) == ("argument", 5)
+
+
+@pytest.mark.parametrize("slip", SLIPS)
+def test_a_slip_costs_its_points(lost, slip):
+    changes, points = SLIPS[slip]
+    assert lost(NAME, {"design": ADAS} | changes) == points
+
+
+def test_another_way_keeps_all_points(lost):
+    assert lost(NAME, ANOTHER_WAY) == {}
+
+
+def test_numbers_are_well_conditioned():
+    found = [exercise.data(f"student {n}") for n in range(3000)]
+    assert len({tuple(x for q in each for x in q.coeffs) for each in found}) == len(found)
+    assert max(abs(x) for each in found for pose in each[2:] for x in pose.coeffs) < 3000
+    hA, hB, *poses = (DualQuaternion.stack(column).astype(float) for column in zip(*found, strict=True))
+    dyads = Dyad(hA, hB)
+    first, second = dyads.axes
+    assert np.all(np.abs(np.cos(first.angle(second))) < 0.77)
+    assert np.all((first.distance(second) > 0.999) & (first.distance(second) < 3.001))
+    (a1, b1), (a2, b2) = (dyads.parameters(pose) for pose in poses)
+    height = (b2 - b1) / (a2 - a1)
+    sides = np.abs([b1 - b2, (a1 + 1j) * height, (a2 + 1j) * height])
+    assert np.all((np.abs(height) > 0.4) & (np.abs(height) < 2.5))
+    assert np.all(sides.max(axis=0) < 20 * sides.min(axis=0))
+
+
+@pytest.mark.parametrize("z", [(Fraction(7, 5), Fraction(9, 4)), (-3, Fraction(1, 2))])
+def test_the_grader_agrees_with_the_package(z):
+    found = exercise.data("emmy")
+    s1, s2 = exercise.stops(found)
+    poses = [one, *((s_a - found.hA) * (s_b - found.hB) for s_a, s_b in (s1, s2))]
+    mine = exercise.linkage_for(found, complex(*map(float, z)))
+    theirs = [each for sign in (1, -1) for each in goldberg_linkages(*poses, (z[0], sign * z[1]))]
+    theirs += [each for sign in (1, -1) for each in goldberg_linkages(*poses, (-z[0], sign * z[1]))]
+    assert any(
+        all(same_point(a.astype(float), b) for a, b in zip(each.axes, mine.axes, strict=True)) for each in theirs
+    )
+
+
+def test_every_brief_can_be_met_and_few_choices_meet_it():
+    shares, naive = [], []
+    for n in range(40):
+        student = f"student {n}"
+        found, asked = exercise.data(student), exercise.brief(student)
+        grid = exercise.candidates(*exercise.stops(found))
+        met = exercise.keeps(asked, exercise.measures(exercise.linkage_for(found, grid + 0.003), 90)).all(axis=0)
+        shares.append(met.mean())
+        naive.append(
+            exercise.keeps(asked, exercise.measures(exercise.linkage_for(found, [1.001 + 2j, -1 + 1.003j]))).all(axis=0)
+        )
+    assert min(shares) > 0.01
+    assert np.median(shares) < 0.06
+    assert np.mean(naive) < 0.1
