@@ -184,7 +184,7 @@ def _object_zero(x, scale, rtol) -> bool:
     if expanded == 0:
         return True
     if not expanded.free_symbols:
-        return bool(expanded.equals(0))
+        return bool(expanded.equals(0) if expanded.is_zero is None else expanded.is_zero)
     return (simplify if expanded.has(TrigonometricFunction) else cancel)(expanded) == 0
 
 
