@@ -18,6 +18,7 @@ from nbgrader.utils import is_solution as is_answer
 from grader import masters
 
 TOO_SLOW = "took longer than {seconds} s, so it was stopped"
+TOO_LARGE = "used more memory than there is"
 NOT_DONE = "not answered yet: a line raise NotImplementedError() is left"
 NOT_RUN = "was not run, since an earlier cell ended Python, used up its memory or could not be stopped"
 
@@ -77,6 +78,8 @@ def complaint(cell: NotebookNode, seconds: int) -> str:
         return TOO_SLOW.format(seconds=seconds)
     if kind == "NotImplementedError":
         return NOT_DONE
+    if kind == "MemoryError":
+        return TOO_LARGE
     if kind == "AssertionError" and said:
         return plain(said)
     return plain(f"{kind}: {said}" if said else f"{kind} in line {line_of(errors[-1])}")

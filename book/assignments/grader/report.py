@@ -128,4 +128,9 @@ def write(file: Path, columns: tuple[str, ...], rows: list[dict]) -> None:
     with file.open("w", newline="", encoding="utf-8") as out:
         writer = csv.DictWriter(out, columns, restval="")
         writer.writeheader()
-        writer.writerows(rows)
+        writer.writerows({key: harmless(value) for key, value in row.items()} for row in rows)
+
+
+def harmless(value):
+    """A value that no spreadsheet takes for a formula: some of the text comes from students."""
+    return f"'{value}" if isinstance(value, str) and value.startswith(("=", "+", "-", "@")) else value

@@ -12,11 +12,11 @@ from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor, as_completed
 from dataclasses import asdict, dataclass, field
 from hashlib import sha256
-from importlib.metadata import version
 from pathlib import Path
 
 import psutil
 
+import kinlib
 from grader import masters
 from grader.collect import Submission
 
@@ -57,9 +57,21 @@ def graded(submission: Submission, limits: Limits, kept: Path) -> Result:
 
 def digest_of(submission: Submission, limits: Limits) -> str:
     """A name for all that the marks depend on."""
-    files = [submission.path, masters.source(submission.assignment), masters.release(submission.assignment)]
-    parts = [*(file.read_bytes() for file in files), repr((asdict(limits), version("kinlib"))).encode()]
+    files = [
+        submission.path,
+        masters.source(submission.assignment),
+        masters.release(submission.assignment),
+        *programs(),
+    ]
+    parts = [*(file.read_bytes() for file in files), repr(asdict(limits)).encode()]
     return sha256(b"".join(sha256(part).digest() for part in parts)).hexdigest()
+
+
+def programs() -> list[Path]:
+    """The files of kinlib and of the grader."""
+    return sorted(
+        file for folder in (Path(kinlib.__file__).parent, Path(__file__).parent) for file in folder.rglob("*.py")
+    )
 
 
 def marked(submission: Submission, limits: Limits) -> tuple[list[dict], str]:
