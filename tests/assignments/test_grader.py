@@ -266,9 +266,10 @@ def test_marks_by_hand_are_asked_for_once_and_taken_over(tmp_path):
     assert report.with_marks_by_hand(waiting(), file)[0].marks[0]["mark"] is None
     asked = file.read_text(encoding="utf-8")
     assert "ada,goldberg,argument,5.0,," in asked
-    file.write_text(asked.replace(",", ";").replace(";5.0;;", ';4,5;4,5;"well; argued"'), encoding="utf-8-sig")
+    filled = asked.replace(",", ";").replace(";5.0;;", ';4,5;4,5;"well; argued,\n- but long"')
+    file.write_text(filled, encoding="utf-8-sig")
     mark = report.with_marks_by_hand(waiting(), file)[0].marks[0]
-    assert (mark["mark"], mark["remark"], mark["marked"]) == (4.5, "well; argued", "hand")
+    assert (mark["mark"], mark["remark"], mark["marked"]) == (4.5, "well; argued,\n- but long", "hand")
     assert len(report.read(file)) == 1
 
 

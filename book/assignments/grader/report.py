@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import io
 from collections.abc import Iterable
 from dataclasses import replace
 from itertools import groupby
@@ -120,7 +121,8 @@ def read(file: Path) -> list[dict]:
         return []
     text = file.read_text(encoding="utf-8-sig")
     separator = ";" if text.splitlines()[0].count(";") > text.splitlines()[0].count(",") else ","
-    return list(csv.DictReader(text.splitlines(), delimiter=separator))
+    rows = csv.DictReader(io.StringIO(text, newline=""), delimiter=separator)
+    return [{key: (value or "").removeprefix("'") for key, value in row.items()} for row in rows]
 
 
 def write(file: Path, columns: tuple[str, ...], rows: list[dict]) -> None:
