@@ -57,3 +57,9 @@ def lost(grade):
         return {cell: points for cell, points in losses.items() if points}
 
     return of
+
+
+def pytest_generate_tests(metafunc):
+    """One test for each slip that is listed for an assignment."""
+    if "slip" in metafunc.fixturenames:
+        metafunc.parametrize("slip", metafunc.cls.slips)

@@ -1,14 +1,13 @@
 """The assignment on Bennett linkages: who is right gets the points, who is wrong loses those of the slip."""
 
 import numpy as np
-import pytest
+from marks import Marks
 
 from kinlib import DualQuaternion, bennett_linkage, one, study_eigenvalues, study_form
 from kinlib.exercises import bennett as exercise
 from kinlib.factorization import upper_roots
 from kinlib.interpolation import conic
 
-NAME = "bennett"
 UNIT = "h / math.sqrt(null_form(h, h))"
 
 SLIPS = {
@@ -144,25 +143,10 @@ def ratio(p1, p2):
 }
 
 
-@pytest.mark.parametrize("student", ["ada", "emmy", "sophus"])
-def test_the_solution_gets_full_marks(lost, student):
-    assert lost(NAME, {}, student) == {}
-
-
-def test_the_blank_copy_gets_nothing(grade):
-    result = grade(NAME)
-    assert sum(mark["points"] for mark in result.marks) == 20
-    assert [mark["mark"] for mark in result.marks] == [0] * len(result.marks)
-
-
-@pytest.mark.parametrize("slip", SLIPS)
-def test_a_slip_costs_its_points(lost, slip):
-    changes, points = SLIPS[slip]
-    assert lost(NAME, changes) == points
-
-
-def test_another_way_keeps_all_points(lost):
-    assert lost(NAME, ANOTHER_WAY) == {}
+class TestMarks(Marks):
+    assignment = "bennett"
+    slips = SLIPS
+    another_way = ANOTHER_WAY
 
 
 def test_poses_are_well_conditioned():

@@ -4,12 +4,10 @@ import math
 from itertools import permutations
 
 import numpy as np
-import pytest
+from marks import Marks
 
 from kinlib import DualQuaternion, same_point, study_form
 from kinlib.exercises import displacements as exercise
-
-NAME = "displacements"
 
 SLIPS = {
     "the sign of ε in equation (1) is dropped": (
@@ -147,25 +145,10 @@ carry = shift(c) * straight * shift(np.negative(a))
 }
 
 
-@pytest.mark.parametrize("student", ["ada", "emmy", "sophus"])
-def test_the_solution_gets_full_marks(lost, student):
-    assert lost(NAME, {}, student) == {}
-
-
-def test_the_blank_copy_gets_nothing(grade):
-    result = grade(NAME)
-    assert sum(mark["points"] for mark in result.marks) == 20
-    assert [mark["mark"] for mark in result.marks] == [0] * len(result.marks)
-
-
-@pytest.mark.parametrize("slip", SLIPS)
-def test_a_slip_costs_its_points(lost, slip):
-    changes, points = SLIPS[slip]
-    assert lost(NAME, changes) == points
-
-
-def test_another_way_keeps_all_points(lost):
-    assert lost(NAME, ANOTHER_WAY) == {}
+class TestMarks(Marks):
+    assignment = "displacements"
+    slips = SLIPS
+    another_way = ANOTHER_WAY
 
 
 def test_numbers_are_well_conditioned():

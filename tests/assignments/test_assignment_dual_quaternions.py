@@ -1,11 +1,9 @@
 """The assignment on dual quaternions: who is right gets the points, who is wrong loses those of the slip."""
 
-import pytest
+from marks import Marks
 
 from kinlib import DualQuaternion
 from kinlib.exercises import dual_quaternions as exercise
-
-NAME = "dual_quaternions"
 
 SLIPS = {
     "the factors are in the wrong order": (
@@ -88,25 +86,10 @@ def inverse(q):
 }
 
 
-@pytest.mark.parametrize("student", ["ada", "emmy", "sophus"])
-def test_the_solution_gets_full_marks(lost, student):
-    assert lost(NAME, {}, student) == {}
-
-
-def test_the_blank_copy_gets_nothing(grade):
-    result = grade(NAME)
-    assert sum(mark["points"] for mark in result.marks) == 20
-    assert [mark["mark"] for mark in result.marks] == [0] * len(result.marks)
-
-
-@pytest.mark.parametrize("slip", SLIPS)
-def test_a_slip_costs_its_points(lost, slip):
-    changes, points = SLIPS[slip]
-    assert lost(NAME, changes) == points
-
-
-def test_another_way_keeps_all_points(lost):
-    assert lost(NAME, ANOTHER_WAY) == {}
+class TestMarks(Marks):
+    assignment = "dual_quaternions"
+    slips = SLIPS
+    another_way = ANOTHER_WAY
 
 
 def test_numbers_are_well_conditioned():

@@ -4,11 +4,11 @@ from fractions import Fraction
 
 import numpy as np
 import pytest
+from marks import Marks
 
 from kinlib import DualQuaternion, Dyad, goldberg_linkages, one, same_point
 from kinlib.exercises import goldberg as exercise
 
-NAME = "goldberg"
 DESIGN = {"design-room": 1, "design-lengths": 1, "design-travel": 1}
 ADAS = "z = 2.033 - 1.567j"  # keeps to her brief, whatever her functions say
 
@@ -198,31 +198,12 @@ def travel(linkage):
 }
 
 
-@pytest.mark.parametrize("student", ["ada", "emmy", "sophus"])
-def test_the_solution_gets_full_marks(lost, student):
-    assert lost(NAME, {}, student) == {}
-
-
-def test_the_blank_copy_gets_nothing(grade):
-    result = grade(NAME)
-    assert sum(mark["points"] for mark in result.marks) == 20
-    assert [mark["mark"] for mark in result.marks] == [0] * len(result.marks)
-
-
-def test_the_argument_waits_for_a_person(grade):
-    result = grade(NAME, {})
-    (waiting,) = [mark for mark in result.marks if mark["mark"] is None]
-    assert (waiting["cell"], waiting["points"]) == ("argument", 5)
-
-
-@pytest.mark.parametrize("slip", SLIPS)
-def test_a_slip_costs_its_points(lost, slip):
-    changes, points = SLIPS[slip]
-    assert lost(NAME, {"design": ADAS} | changes) == points
-
-
-def test_another_way_keeps_all_points(lost):
-    assert lost(NAME, ANOTHER_WAY) == {}
+class TestMarks(Marks):
+    assignment = "goldberg"
+    slips = SLIPS
+    another_way = ANOTHER_WAY
+    by_hand = 5
+    always = {"design": ADAS}  # noqa: RUF012
 
 
 def test_numbers_are_well_conditioned():

@@ -1,11 +1,9 @@
 """The assignment on null lines: who is right gets the points, who is wrong loses those of the slip."""
 
-import pytest
+from marks import Marks
 
 from kinlib import EXCEPTIONAL_SPACE, STUDY_QUADRIC, DualQuaternion, eps, join, meet, null_form, study_form
 from kinlib.exercises import null_lines as exercise
-
-NAME = "null_lines"
 
 SLIPS = {
     "the third product of Lemma 1 is forgotten": (
@@ -127,27 +125,11 @@ def three_lines(h, v):
 }
 
 
-@pytest.mark.parametrize("student", ["ada", "emmy", "sophus"])
-def test_the_solution_gets_full_marks(grade, student):
-    marks = {mark["cell"]: mark["mark"] for mark in grade(NAME, {}, student).marks}
-    assert marks.pop("real-null-lines-why") is None  # a person decides
-    assert sum(marks.values()) == 18
-
-
-def test_the_blank_copy_gets_nothing(grade):
-    result = grade(NAME)
-    assert sum(mark["points"] for mark in result.marks) == 20
-    assert [mark["mark"] for mark in result.marks] == [0] * len(result.marks)
-
-
-@pytest.mark.parametrize("slip", SLIPS)
-def test_a_slip_costs_its_points(lost, slip):
-    changes, points = SLIPS[slip]
-    assert lost(NAME, changes) == points
-
-
-def test_another_way_keeps_all_points(lost):
-    assert lost(NAME, ANOTHER_WAY) == {}
+class TestMarks(Marks):
+    assignment = "null_lines"
+    slips = SLIPS
+    another_way = ANOTHER_WAY
+    by_hand = 2
 
 
 def test_numbers_are_well_conditioned():

@@ -2,11 +2,10 @@
 
 import numpy as np
 import pytest
+from marks import Marks
 
 from kinlib import DegenerateError, DualQuaternion, recognise, same_point
 from kinlib.exercises import two_r_spaces as exercise
-
-NAME = "two_r_spaces"
 
 SLIPS = {
     "the Study form is half of what it should be": (
@@ -117,25 +116,10 @@ def axes(basis):
 }
 
 
-@pytest.mark.parametrize("student", ["ada", "emmy", "sophus"])
-def test_the_solution_gets_full_marks(lost, student):
-    assert lost(NAME, {}, student) == {}
-
-
-def test_the_blank_copy_gets_nothing(grade):
-    result = grade(NAME)
-    assert sum(mark["points"] for mark in result.marks) == 20
-    assert [mark["mark"] for mark in result.marks] == [0] * len(result.marks)
-
-
-@pytest.mark.parametrize("slip", SLIPS)
-def test_a_slip_costs_its_points(lost, slip):
-    changes, points = SLIPS[slip]
-    assert lost(NAME, changes) == points
-
-
-def test_another_way_keeps_all_points(lost):
-    assert lost(NAME, ANOTHER_WAY) == {}
+class TestMarks(Marks):
+    assignment = "two_r_spaces"
+    slips = SLIPS
+    another_way = ANOTHER_WAY
 
 
 def test_the_verdicts_are_those_of_the_procedure():
