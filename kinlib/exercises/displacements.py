@@ -19,7 +19,7 @@ from kinlib.projective import same_point
 from kinlib.scalar import as_float, size
 
 __all__ = [
-    "LIBRARIES", "SHORT_CUTS", "Data", "assert_carried", "assert_carries", "assert_in_turn", "assert_matrix",
+    "LIBRARIES", "SHORTCUTS", "Data", "assert_carried", "assert_carries", "assert_in_turn", "assert_matrix",
     "assert_pose_of_matrix", "assert_read", "assert_shift", "assert_through", "assert_turn", "conventions", "data",
     "samples", "written",
 ]  # fmt: skip
@@ -289,7 +289,7 @@ def assert_carries(answer, found: Data) -> None:
 
 # ---- what is withheld --------------------------------------------------------------------------------
 
-SHORT_CUTS = (
+SHORTCUTS = (
     *(f for f in vars(displacement).values() if getattr(f, "__module__", None) == displacement.__name__),
     Line.as_dual_quaternion, Line.at.__func__, Line.through.__func__, MotionPolynomial.trajectory, read,
 )  # fmt: skip

@@ -19,7 +19,7 @@ from kinlib.scalar import as_float, is_zero, size
 from kinlib.study import is_null_line, null_form, study_form
 
 __all__ = [
-    "KINDS", "SHORT_CUTS", "Data", "assert_answers", "assert_forms", "assert_null_lines", "assert_pose_at",
+    "KINDS", "SHORTCUTS", "Data", "assert_answers", "assert_forms", "assert_null_lines", "assert_pose_at",
     "assert_quadrilateral", "assert_real_null_line", "assert_stray", "assert_three_lines", "data", "kinds", "spaces",
 ]  # fmt: skip
 
@@ -353,7 +353,7 @@ def _vanishes(value: DualQuaternion, x: DualQuaternion) -> bool:
 
 # ---- what is withheld --------------------------------------------------------------------------------
 
-SHORT_CUTS = (
+SHORTCUTS = (
     null_form, study_form, is_null_line, recognise, meet, Dyad.__post_init__, TwoRSpace.contains,
     TwoRSpace.null_quadrilateral, Subspace.contains, Quadric.form, Quadric.gram, Quadric.contains, Quadric.restrict,
 )  # fmt: skip
