@@ -11,11 +11,11 @@ import nbformat
 import psutil
 import pytest
 
-from conftest import handed_in
 from grader import __main__ as command
 from grader import masters, report
 from grader.collect import Submission, read_roster, submissions
 from grader.run import Limits, Result, graded, marked
+from submissions import handed_in
 
 ROOT = Path(__file__).resolve().parents[2]
 NAME = "dual_quaternions"
