@@ -4,7 +4,6 @@ from kinlib.bennett import bennett_linkage
 from kinlib.displacement import (
     act,
     as_matrix,
-    as_pose,
     as_rigid_transform,
     axis_of,
     from_matrix,
@@ -24,6 +23,7 @@ from kinlib.line import Line, common_perpendicular
 from kinlib.linkage import DHRow, Linkage
 from kinlib.motion_polynomial import MotionPolynomial, RationalCurve, linear_factor
 from kinlib.number_field import NumberField, NumberFieldElement, square_root
+from kinlib.poses import as_pose
 from kinlib.projective import Subspace, join, meet, null_space, same_point
 from kinlib.quadric import Quadric
 from kinlib.six_r import six_r_linkages

@@ -6,13 +6,13 @@ import math
 
 import numpy as np
 
-from kinlib.displacement import as_pose
 from kinlib.dual_quaternion import DualQuaternion, one
 from kinlib.dyad import primal_coordinates
 from kinlib.errors import report_faults
 from kinlib.interpolation import conic, is_tangent
 from kinlib.linkage import Linkage
 from kinlib.motion_polynomial import MotionPolynomial
+from kinlib.poses import as_pose
 from kinlib.scalar import divide
 from kinlib.three_poses import FAULTS, TANGENT, masked, pairs_through, relative
 

@@ -8,11 +8,11 @@ from kinlib.dual_quaternion import DualQuaternion, blockwise
 from kinlib.errors import DegenerateError
 from kinlib.line import Line
 from kinlib.number_field import square_root
-from kinlib.scalar import RTOL, as_float, as_scalars, divide, is_exact, is_zero, size
+from kinlib.scalar import RTOL, as_float, as_scalars, divide, is_exact, is_zero
 from kinlib.study import eps_times, null_form, study_form
 
 __all__ = [
-    "act", "as_matrix", "as_pose", "as_rigid_transform", "axis_of", "from_matrix", "from_rigid_transform", "half_turn",
+    "act", "as_matrix", "as_rigid_transform", "axis_of", "from_matrix", "from_rigid_transform", "half_turn",
     "rotation", "translation", "unit",
 ]  # fmt: skip
 
@@ -263,36 +263,3 @@ def as_rigid_transform(q: DualQuaternion):
     from scipy.spatial.transform import RigidTransform
 
     return RigidTransform.from_matrix(as_float(as_matrix(q)))
-
-
-def as_pose(x, *, rtol: float = RTOL) -> DualQuaternion:
-    """A pose given as dual quaternion, 4×4 matrix or SciPy ``RigidTransform``, checked.
-
-    Raises
-    ------
-    ValueError
-        If a number is not finite, or the point is not on the Study quadric.
-    DegenerateError
-        If the point lies in the exceptional space: no displacement belongs to it.
-
-    Examples
-    --------
-    >>> as_pose(1 + eps * i)
-    1 + εi
-    >>> as_pose(1 + eps)
-    Traceback (most recent call last):
-    ...
-    ValueError: expected a point of the Study quadric, p d̄ + d p̄ = 0; study_projection gives one
-    """
-    if hasattr(x, "as_matrix"):
-        return from_rigid_transform(x)
-    q = x if isinstance(x, DualQuaternion) else from_matrix(x, rtol=rtol)
-    _check_finite(q.components)
-    if np.any(is_zero(null_form(q, q), rtol=0)):
-        raise DegenerateError(
-            "the point lies in the exceptional three-space: its primal part is zero, so it is no pose"
-        )
-    p, d = size(q.coeffs[..., :4], -1), size(q.coeffs[..., 4:], -1)
-    if not np.all(is_zero(study_form(q, q), p * d, rtol)):
-        raise ValueError("expected a point of the Study quadric, p d̄ + d p̄ = 0; study_projection gives one")
-    return q

@@ -7,11 +7,12 @@ from typing import NamedTuple
 
 import numpy as np
 
-from kinlib.displacement import as_pose, unit
+from kinlib.displacement import unit
 from kinlib.dual_quaternion import DualQuaternion, one
 from kinlib.errors import DegenerateError
 from kinlib.line import Line
 from kinlib.number_field import square_root
+from kinlib.poses import as_pose
 from kinlib.projective import Subspace, coordinates_of, join, null_space
 from kinlib.quadric import Quadric, binary_roots
 from kinlib.scalar import RTOL, divide, imaginary_unit, is_exact, is_infinite, is_zero, size

@@ -309,6 +309,42 @@ def check_factors(C: MotionPolynomial, factors) -> None:
             raise DegenerateError("the polynomial has no factorization with its quadratic factors in this order")
 
 
+def polished(C: MotionPolynomial, factors, steps: int = 3) -> list[DualQuaternion]:
+    """Factors nearer to those of C, in floats: Newton's method for (t − h_1) ⋯ (t − h_n) = C in all coefficients.
+
+    Moving h_j by δ changes the product by −(t − h_1) ⋯ δ ⋯ (t − h_n), a sum of left and right multiplications.
+    """
+    n, factors = len(factors), list(factors)
+    with np.errstate(invalid="ignore", over="ignore"):
+        for _ in range(steps):
+            missing = [c - d for c, d in zip(C.coefficients[1:], product_of(factors)[1:], strict=True)]
+            right = DualQuaternion.stack(missing, axis=-1).coeffs
+            shape = right.shape[:-2]
+            right = np.nan_to_num(right.reshape(*shape, 8 * n, 1), posinf=0, neginf=0)
+            steps_taken = np.linalg.pinv(_derivative(factors, shape), rcond=1e-14) @ right
+            moves = DualQuaternion(steps_taken.reshape(*shape, n, 8))
+            factors = [h + moves[..., j] for j, h in enumerate(factors)]
+    return factors
+
+
+def _derivative(factors, shape: tuple[int, ...]) -> np.ndarray:
+    """The matrix of the change of all coefficients of the product with all factors, shape (..., 8n, 8n)."""
+    n = len(factors)
+    matrix = np.zeros((*shape, n, 8, n, 8))
+    for j in range(n):
+        before, after = product_of(factors[:j]), product_of(factors[j + 1 :])
+        for a, left in enumerate(before):
+            for b, right in enumerate(after):
+                matrix[..., a + b, :, j, :] -= _two_sided(left, right)
+    return np.nan_to_num(matrix.reshape(*shape, 8 * n, 8 * n), posinf=0, neginf=0)
+
+
+def _two_sided(left: DualQuaternion, right: DualQuaternion) -> np.ndarray:
+    """The matrix of x ↦ left · x · right, shape (..., 8, 8)."""
+    images = left[..., None] * DualQuaternion(np.eye(8)) * right[..., None]
+    return np.swapaxes(images.coeffs, -1, -2)
+
+
 def bennett_flip(h1: DualQuaternion, h2: DualQuaternion) -> tuple[DualQuaternion, DualQuaternion]:
     """The k1, k2 with (t − h1)(t − h2) = (t − k1)(t − k2) and the quadratic polynomials exchanged.
 

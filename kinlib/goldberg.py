@@ -14,13 +14,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from kinlib.displacement import as_pose
 from kinlib.dual_quaternion import DualQuaternion
 from kinlib.dyad import Dyad
 from kinlib.errors import report_faults
 from kinlib.factorization import bennett_flip
 from kinlib.interpolation import is_tangent
 from kinlib.linkage import Linkage
+from kinlib.poses import as_pose
 from kinlib.scalar import as_float, as_scalars, divide, is_zero, promote
 from kinlib.study import null_form
 from kinlib.three_poses import FAULTS as POSE_FAULTS

@@ -6,13 +6,14 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from kinlib.displacement import act, as_pose
+from kinlib.displacement import act
 from kinlib.dual_quaternion import DualQuaternion, one
 from kinlib.dyad import Dyad
 from kinlib.linkage import Linkage
 from kinlib.pace import one_turn, parameters_of
 from kinlib.parts import Ball, Curve, Frame, Label, Rod, Surface
 from kinlib.player import Scene, SceneGrid, static_files
+from kinlib.poses import as_pose
 from kinlib.scalar import as_float
 from kinlib.skeleton import (
     BASE,

@@ -5,11 +5,11 @@ from __future__ import annotations
 import math
 from itertools import combinations, permutations
 
-from kinlib.displacement import as_pose
 from kinlib.factorization import check_factors, factor_in_orders, quadratic_factors
 from kinlib.interpolation import cubics_through, fourth_parameters
 from kinlib.linkage import Linkage
 from kinlib.motion_polynomial import MotionPolynomial
+from kinlib.poses import as_pose
 
 __all__ = ["ADMISSIBLE_PAIRS", "six_r_linkages"]
 

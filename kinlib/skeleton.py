@@ -7,9 +7,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from kinlib.displacement import act, as_matrix, as_pose
+from kinlib.displacement import act, as_matrix
 from kinlib.dual_quaternion import DualQuaternion
 from kinlib.linkage import Linkage
+from kinlib.poses import as_pose
 from kinlib.scalar import as_float
 
 __all__ = [

@@ -24,6 +24,7 @@ ORDER = [
     "study",
     "line",
     "displacement",
+    "poses",
     "motion_polynomial",
     "factorization",
     "interpolation",

@@ -9,12 +9,13 @@ from typing import NamedTuple
 import numpy as np
 
 from kinlib import displacement
-from kinlib.displacement import act, as_matrix, as_pose, half_turn, rotation, translation
+from kinlib.displacement import act, as_matrix, half_turn, rotation, translation
 from kinlib.dual_quaternion import DualQuaternion
 from kinlib.exercises.checks import assert_equal, assert_point, numbers
 from kinlib.exercises.lot import Lot
 from kinlib.line import Line
 from kinlib.motion_polynomial import MotionPolynomial
+from kinlib.poses import as_pose
 from kinlib.projective import same_point
 from kinlib.scalar import as_float, size
 

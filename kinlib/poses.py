@@ -1,0 +1,237 @@
+"""Several poses of one problem: judged in each other's company, seen from the first and from their middle.
+
+How much rounding has made of a pose can only be told from the numbers that were rounded, and these are as large as the
+whole problem.  So the poses of a problem are judged together.  In floats they are then looked at from the middle of
+their displacements and in their own unit of length: neither the origin, nor the unit, nor the representatives matter
+to what is computed.  Exact poses stay as they are.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import reduce
+
+import numpy as np
+
+from kinlib.displacement import from_matrix, unit
+from kinlib.dual_quaternion import DualQuaternion
+from kinlib.errors import DegenerateError, check_degenerate, named_rows
+from kinlib.scalar import RTOL, as_float, is_exact, is_zero
+from kinlib.study import eps_times, null_form, study_form
+
+__all__ = ["as_pose"]
+
+ULPS = 64 * np.finfo(float).eps
+"""What rounding makes of numbers of size 1 in a few operations."""
+
+
+def as_pose(x, *, rtol: float = RTOL) -> DualQuaternion:
+    """A pose given as dual quaternion, 4×4 matrix or SciPy ``RigidTransform``, checked.
+
+    Parameters
+    ----------
+    x : DualQuaternion of shape (...), matrices of shape (..., 4, 4), or RigidTransform
+    rtol : float
+        How far a float may be from a pose, relative to its size; then the nearest pose is taken.
+
+    Returns
+    -------
+    DualQuaternion
+        A point of the Study quadric, exact for exact input.
+
+    Raises
+    ------
+    ValueError
+        If a number is not real and finite, or the point is not on the Study quadric.
+    DegenerateError
+        If the point lies in the exceptional space: no displacement belongs to it.
+
+    Examples
+    --------
+    >>> as_pose(1 + eps * i)
+    1 + εi
+    >>> as_pose(1 + eps)
+    Traceback (most recent call last):
+    ...
+    ValueError: expected a point of the Study quadric, p d̄ + d p̄ = 0; here it is 1 times |p||d|: \
+give a larger rtol= for rounded numbers, or take study_projection
+    """
+    return as_poses(x, rtol=rtol)[0]
+
+
+def as_poses(*given, rtol: float = RTOL, degenerate: str = "raise") -> list[DualQuaternion]:
+    """Poses of one problem, judged in each other's company; rows that are none become NaN if asked."""
+    check_degenerate(degenerate)
+    points = [_point(x, rtol) for x in given]
+    with np.errstate(invalid="ignore", divide="ignore", over="ignore"):
+        length = reduce(np.maximum, [np.nan_to_num(_lever(q)) for q in points])
+        return [
+            _checked(q, length, rtol, f"pose {n}: " if len(given) > 1 else "", degenerate) for n, q in enumerate(points)
+        ]
+
+
+def _point(x, rtol: float) -> DualQuaternion:
+    if hasattr(x, "as_matrix"):
+        x = x.as_matrix()
+    if isinstance(x, DualQuaternion):
+        return x
+    if np.ndim(x) < 2:
+        raise TypeError(f"expected a pose: a DualQuaternion, a 4×4 matrix or a RigidTransform, got {x!r}")
+    return from_matrix(x, rtol=rtol)
+
+
+def _lever(q: DualQuaternion):
+    """|d| / |p|, in floats; half of how far the origin is moved."""
+    p, d = (as_float(np.sqrt(as_float((x * x).sum(axis=0)))) for x in (q.components[:4], q.components[4:]))
+    return d / np.where(p > 0, p, np.nan)
+
+
+def _checked(q: DualQuaternion, length, rtol: float, name: str, degenerate: str) -> DualQuaternion:
+    """The pose that a point is meant to be."""
+    if q.components.dtype.kind == "c":
+        raise ValueError(f"{name}expected real coefficients, got complex ones: a pose is a real point")
+    if is_exact(q.components):
+        return _checked_exactly(q, name)
+    precision = max(rtol, 8 * float(np.finfo(q.components.dtype).eps)) if q.components.dtype.kind == "f" else rtol
+    q = q.astype(float)
+    p = np.sqrt(null_form(q, q))
+    off = np.abs(study_form(q, q)) / 2
+    lever = np.broadcast_to(np.where(p > 0, _lever(q) + length, 0.0), p.shape)
+    faults = [
+        (~np.isfinite(q.components).all(axis=0), ValueError, "expected finite numbers, got NaN or infinity"),
+        (p == 0, DegenerateError, EXCEPTIONAL),
+        (off > (precision * lever + ULPS) * p * p, ValueError, _off_the_quadric(off, lever * p * p)),
+    ]
+    bad = [_refused(where, error, name, message, degenerate) for where, error, message in faults]
+    projected = q - eps_times(q) * (study_form(q, q) / (2 * p * p))
+    return masked(projected, np.logical_or.reduce(bad))
+
+
+EXCEPTIONAL = "the point lies in the exceptional three-space: its primal part is zero, so it is no pose"
+
+
+def _off_the_quadric(off, scale) -> str:
+    worst = np.nanmax(np.where(scale > 0, off / np.where(scale > 0, scale, 1), 0), initial=0)
+    return (
+        f"expected a point of the Study quadric, p d̄ + d p̄ = 0; here it is {worst:.2g} times |p||d|: "
+        "give a larger rtol= for rounded numbers, or take study_projection"
+    )
+
+
+def _refused(where, error, name: str, message: str, degenerate: str):
+    if degenerate == "raise" and np.any(where):
+        raise error(f"{named_rows(np.flatnonzero(where) if np.ndim(where) else [])}{name}{message}")
+    return where
+
+
+def _checked_exactly(q: DualQuaternion, name: str) -> DualQuaternion:
+    if np.any(is_zero(null_form(q, q), rtol=0)):
+        raise DegenerateError(name + EXCEPTIONAL)
+    off = study_form(q, q)
+    if not np.all(is_zero(off)):
+        scale = np.maximum(_lever(q), 1e-300) * as_float(null_form(q, q))
+        raise ValueError(name + _off_the_quadric(np.abs(as_float(off)) / 2, scale))
+    return q
+
+
+def masked(q: DualQuaternion, rows) -> DualQuaternion:
+    """NaN in place of the given rows."""
+    return DualQuaternion(np.where(np.asarray(rows)[..., None], np.nan, as_float(q.coeffs))) if np.any(rows) else q
+
+
+@dataclass(frozen=True)
+class PoseProblem:
+    """Poses that belong together, and how the others look from the first.
+
+    Parameters
+    ----------
+    home : DualQuaternion, shape (...)
+        The first pose.
+    others : tuple of DualQuaternion
+        The displacements p_n p_0⁻¹; floats about the middle and in the unit of length, with primal parts of length 1.
+    middle : numpy.ndarray, shape (..., 3)
+        The point that these displacements move least, seen in the frame of the poses.
+    length : numpy.ndarray, shape (...)
+        The unit of length, a power of two; both are exact zeros and ones for exact poses.
+    """
+
+    home: DualQuaternion
+    others: tuple[DualQuaternion, ...]
+    middle: np.ndarray
+    length: np.ndarray
+
+    def outward(self, q: DualQuaternion) -> DualQuaternion:
+        """What was found about the middle, in the frame and unit of the poses: half-turns and linear factors."""
+        return moved_origin(_stretched(q, self.length), -self.middle)
+
+    @property
+    def is_exact(self) -> bool:
+        """Whether nothing is rounded."""
+        return is_exact(self.home.components)
+
+
+def seen_together(*given, degenerate: str = "raise", rtol: float = RTOL) -> PoseProblem:
+    """The poses as one problem; batches are broadcast against each other."""
+    poses = as_poses(*given, rtol=rtol, degenerate=degenerate)
+    exact = all(is_exact(q.components) for q in poses)
+    if not exact:
+        poses = [DualQuaternion(as_float(q.coeffs)) for q in poses]
+    shape = np.broadcast_shapes(*[q.shape for q in poses])
+    home, *others = (q if q.shape == shape else DualQuaternion(np.broadcast_to(q.coeffs, (*shape, 8))) for q in poses)
+    seen = [unit(q * home.conjugate()) for q in others]
+    if exact:
+        if any(getattr(c, "free_symbols", None) for q in poses for c in q.components.ravel()):
+            raise ValueError("the poses contain symbols: the roots that are needed have no closed form; put in numbers")
+        return PoseProblem(home, tuple(seen), np.zeros(3, dtype=int), np.array(1))
+    with np.errstate(invalid="ignore", divide="ignore", over="ignore"):
+        middle = _middle(seen)
+        centred = [moved_origin(q, middle) for q in seen]
+        length = _power_of_two(reduce(np.maximum, [np.abs(q.components[4:]).max(axis=0) for q in centred]))
+        return PoseProblem(home, tuple(_stretched(q, 1 / length) for q in centred), middle, length)
+
+
+def moved_origin(q: DualQuaternion, origin: np.ndarray) -> DualQuaternion:
+    """The same displacement seen from another origin, shape (..., 3): 1 − ½εc times q times 1 + ½εc is q + ε(p × c)."""
+    p0, p1, p2, p3, d0, d1, d2, d3 = q.components
+    c1, c2, c3 = np.moveaxis(np.asarray(origin), -1, 0)
+    moment = d1 + (p2 * c3 - p3 * c2), d2 + (p3 * c1 - p1 * c3), d3 + (p1 * c2 - p2 * c1)
+    return DualQuaternion.from_components(np.stack(np.broadcast_arrays(p0, p1, p2, p3, d0, *moment)))
+
+
+def _stretched(q: DualQuaternion, factor) -> DualQuaternion:
+    """All lengths multiplied by a factor, shape (...)."""
+    primal, dual = np.broadcast_arrays(q.components[:4], q.components[4:] * factor)
+    return DualQuaternion.from_components(np.concatenate([primal, dual]))
+
+
+def _middle(seen: list[DualQuaternion]) -> np.ndarray:
+    """The point c with least Σ |d + p × c|², (Σ |p|² − p pᵀ) c = Σ p × d; near the origin where that leaves it free."""
+    p = [np.moveaxis(q.components[1:4], 0, -1) for q in seen]
+    d = [np.moveaxis(q.components[5:8], 0, -1) for q in seen]
+    right = sum(np.cross(x, y) for x, y in zip(p, d, strict=True))
+    square = sum((x * x).sum(-1) for x in p)[..., None, None]
+    system = np.eye(3) * (1 + 1e-13) * square - sum(x[..., :, None] * x[..., None, :] for x in p)
+    a, b, c = np.moveaxis(system, -2, 0)
+    adjugate = np.stack([np.cross(b, c), np.cross(c, a), np.cross(a, b)], axis=-1)
+    determinant = (a * np.cross(b, c)).sum(-1)[..., None]
+    solution = (adjugate @ right[..., None])[..., 0] / np.where(determinant == 0, 1, determinant)
+    return np.where(np.isfinite(solution) & (determinant != 0), solution, 0)
+
+
+def _power_of_two(length: np.ndarray) -> np.ndarray:
+    """The power of two next above a length; 1 for none at all."""
+    return np.where(np.isfinite(length) & (length > 0), np.ldexp(1.0, np.frexp(np.nan_to_num(length))[1]), 1.0)
+
+
+def gap(reached: DualQuaternion, wanted: DualQuaternion) -> np.ndarray:
+    """How far one displacement is from another, in half-angles and in units of length; 0 or infinite if exact.
+
+    Both may be any representatives, and wanted has a primal part of length 1: the scalar part of wanted⁻¹ reached is
+    divided by, the rest is the gap.
+    """
+    difference = wanted.conjugate() * reached
+    rest = difference.components[[1, 2, 3, 5, 6, 7]]
+    if is_exact(rest):
+        return np.where(np.all(is_zero(rest), axis=0), 0.0, np.inf)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        return np.abs(rest).max(axis=0) / np.abs(difference.scalar_part)
