@@ -13,7 +13,7 @@ from kinlib.displacement import (
     translation,
     unit,
 )
-from kinlib.dual_quaternion import DualQuaternion, eps, i, j, k, one
+from kinlib.dual_quaternion import DualQuaternion, eps, i, j, k, null_form, one, study_form
 from kinlib.dyad import Dyad, NullQuadrilateral, TwoRSpace, recognise
 from kinlib.errors import DegenerateError
 from kinlib.factorization import bennett_flip, factorizations, factorize, quadratic_factors
@@ -32,8 +32,6 @@ from kinlib.study import (
     NULL_CONE,
     STUDY_QUADRIC,
     is_null_line,
-    null_form,
-    study_form,
     study_projection,
 )
 from kinlib.three_poses import dyads_through_poses, study_eigenvalues

@@ -4,12 +4,17 @@ from __future__ import annotations
 
 import numpy as np
 
-from kinlib.dual_quaternion import DualQuaternion, blockwise
+from kinlib.dual_quaternion import (
+    DualQuaternion,
+    blockwise,
+    eps_times,
+    null_form,
+    study_form,
+)
 from kinlib.errors import DegenerateError
 from kinlib.line import Line
 from kinlib.number_field import square_root
 from kinlib.scalar import RTOL, as_float, as_scalars, divide, is_exact, is_zero
-from kinlib.study import eps_times, null_form, study_form
 
 __all__ = [
     "act", "as_matrix", "as_rigid_transform", "axis_of", "from_matrix", "from_rigid_transform", "half_turn",

@@ -10,12 +10,15 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from itertools import accumulate
+from typing import Any
 
 import numpy as np
 
-from kinlib.scalar import as_scalars, divide, is_scalar, is_zero, promote
+from kinlib.scalar import as_scalars, divide, is_scalar, is_zero, promote, size
 
-__all__ = ["DualQuaternion", "eps", "i", "j", "k", "one"]
+__all__ = [
+    "DualQuaternion", "dual_size", "eps", "eps_times", "i", "j", "k", "null_form", "one", "primal_size", "study_form",
+]  # fmt: skip
 
 UNITS = ("", "i", "j", "k", "ε", "εi", "εj", "εk")
 BLOCK = 2**16  # rows of a batch at a time: they stay in the cache, and NumPy can use temporaries again
@@ -255,6 +258,50 @@ class DualQuaternion:
             return f"DualQuaternion of shape {self.shape}, {self._components.dtype}"
         terms = [_term(c, unit) for c, unit in zip(self._components.tolist(), UNITS, strict=True) if c != 0]
         return " + ".join(terms).replace("+ -", "- ") or "0"
+
+
+def study_form(x: DualQuaternion, y: DualQuaternion):
+    """The Study form b(x, y), shape (...); batches broadcast.
+
+    Examples
+    --------
+    >>> int(study_form(i, j - eps * i))       # two skew lines, one apart and at right angles
+    -1
+    """
+    (p0, p1, p2, p3, d0, d1, d2, d3), (r0, r1, r2, r3, e0, e1, e2, e3) = x.components, y.components
+    return p0 * e0 + p1 * e1 + p2 * e2 + p3 * e3 + d0 * r0 + d1 * r1 + d2 * r2 + d3 * r3
+
+
+def null_form(x: DualQuaternion, y: DualQuaternion):
+    """The null form ⟨x, y⟩ of the primal parts, shape (...); batches broadcast."""
+    (p0, p1, p2, p3), (r0, r1, r2, r3) = x.components[:4], y.components[:4]
+    return p0 * r0 + p1 * r1 + p2 * r2 + p3 * r3
+
+
+def eps_times(q: DualQuaternion) -> DualQuaternion:
+    """The product εq, which moves the primal part to the dual part."""
+    p = q.components[:4]
+    return DualQuaternion.from_components(np.concatenate((np.zeros_like(p), p)))
+
+
+def primal_size(q: DualQuaternion) -> Any:
+    """How large the primal part is: the largest absolute value of its four coefficients, a float, shape (...).
+
+    Examples
+    --------
+    >>> primal_size(3 * i - 4 * k + 7 * eps), dual_size(3 * i - 4 * k + 7 * eps)
+    (4.0, 7.0)
+    """
+    return _size(q.components[:4])
+
+
+def dual_size(q: DualQuaternion) -> Any:
+    """How large the dual part is: the largest absolute value of its four coefficients, a float, shape (...)."""
+    return _size(q.components[4:])
+
+
+def _size(components: np.ndarray) -> Any:
+    return size(components, 0 if components.ndim > 1 else None)
 
 
 def _term(coefficient, unit: str) -> str:

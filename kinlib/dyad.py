@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from kinlib.displacement import unit
-from kinlib.dual_quaternion import DualQuaternion, one
+from kinlib.dual_quaternion import DualQuaternion, null_form, one, study_form
 from kinlib.errors import DegenerateError
 from kinlib.line import Line
 from kinlib.number_field import square_root
@@ -16,7 +16,7 @@ from kinlib.poses import as_pose
 from kinlib.projective import Subspace, coordinates_of, join, null_space
 from kinlib.quadric import Quadric, binary_roots
 from kinlib.scalar import RTOL, divide, imaginary_unit, is_exact, is_infinite, is_zero, size
-from kinlib.study import NULL_CONE, STUDY_QUADRIC, null_form, study_form
+from kinlib.study import NULL_CONE, STUDY_QUADRIC
 
 __all__ = ["Dyad", "NullQuadrilateral", "TwoRSpace", "recognise"]
 

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from kinlib.dual_quaternion import DualQuaternion
+from kinlib.dual_quaternion import DualQuaternion, null_form
 from kinlib.dyad import Dyad
 from kinlib.errors import report_faults
 from kinlib.factorization import bennett_flip
@@ -22,7 +22,6 @@ from kinlib.interpolation import is_tangent
 from kinlib.linkage import Linkage
 from kinlib.poses import as_pose
 from kinlib.scalar import as_float, as_scalars, divide, is_zero, promote
-from kinlib.study import null_form
 from kinlib.three_poses import FAULTS as POSE_FAULTS
 from kinlib.three_poses import TANGENT, masked, pairs_through, relative
 

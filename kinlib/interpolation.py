@@ -6,14 +6,13 @@ from itertools import combinations
 
 import numpy as np
 
-from kinlib.dual_quaternion import DualQuaternion
+from kinlib.dual_quaternion import DualQuaternion, null_form, study_form
 from kinlib.errors import DegenerateError, report_faults
 from kinlib.motion_polynomial import MotionPolynomial
 from kinlib.number_field import square_root
 from kinlib.poses import as_pose
 from kinlib.projective import same_point
 from kinlib.scalar import divide, is_zero, size
-from kinlib.study import null_form, study_form
 
 __all__ = ["conic_through", "cubics_through"]
 

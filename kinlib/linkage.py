@@ -12,13 +12,12 @@ from typing import NamedTuple
 import numpy as np
 
 from kinlib.displacement import axis_of, unit
-from kinlib.dual_quaternion import DualQuaternion, one
+from kinlib.dual_quaternion import DualQuaternion, null_form, one
 from kinlib.factorization import divide_by_quadratic, product_of, quadratic_of
 from kinlib.line import Line, common_perpendicular
 from kinlib.motion_polynomial import MotionPolynomial, RationalCurve, evaluate
 from kinlib.projective import null_space
 from kinlib.scalar import RTOL, as_float, is_exact, is_zero, size
-from kinlib.study import null_form
 
 __all__ = ["DHRow", "Linkage"]
 

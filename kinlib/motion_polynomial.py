@@ -7,10 +7,9 @@ from functools import reduce
 
 import numpy as np
 
-from kinlib.dual_quaternion import DualQuaternion, one
+from kinlib.dual_quaternion import DualQuaternion, null_form, one, study_form
 from kinlib.errors import DegenerateError
 from kinlib.scalar import RTOL, as_scalars, divide, is_infinite, is_zero, promote, size
-from kinlib.study import null_form, study_form
 
 __all__ = ["MotionPolynomial", "RationalCurve", "evaluate", "linear_factor", "multiply"]
 

@@ -14,10 +14,9 @@ from functools import reduce
 import numpy as np
 
 from kinlib.displacement import from_matrix, unit
-from kinlib.dual_quaternion import DualQuaternion
+from kinlib.dual_quaternion import DualQuaternion, eps_times, null_form, study_form
 from kinlib.errors import DegenerateError, check_degenerate, named_rows
 from kinlib.scalar import RTOL, as_float, is_exact, is_zero
-from kinlib.study import eps_times, null_form, study_form
 
 __all__ = ["as_pose"]
 

@@ -5,16 +5,42 @@ arrays: whole numbers as Python integers, which never overflow, ``Fraction``, Sy
 number fields and of polynomial rings.
 """
 
+from __future__ import annotations
+
 import math
+from collections.abc import Sequence
 from fractions import Fraction
-from typing import Any
+from typing import Any, Protocol, TypeAlias, Union
 
 import numpy as np
+from numpy.typing import NDArray
 
-__all__ = ["RTOL", "as_float", "as_scalars", "divide", "imaginary_unit", "is_exact", "is_zero", "size"]
+__all__ = [
+    "RTOL", "ArrayLike", "ScalarLike", "as_float", "as_scalars", "divide", "imaginary_unit", "is_exact", "is_zero",
+    "size",
+]  # fmt: skip
 
 RTOL = 1e-9
 """What counts as zero in floats, relative to the size of the problem."""
+
+
+class Algebraic(Protocol):
+    """What computes and compares like a number: SymPy expressions, elements of number fields and of rings."""
+
+    def __add__(self, other: Any, /) -> Any: ...
+
+    def __mul__(self, other: Any, /) -> Any: ...
+
+    def __neg__(self) -> Any: ...
+
+    def __lt__(self, other: Any, /) -> Any: ...
+
+
+ScalarLike: TypeAlias = Union[int, float, complex, Fraction, "np.number[Any]", Algebraic]
+"""A number of any kind: of Python, NumPy, mpmath or SymPy, or an element of a number field."""
+
+ArrayLike: TypeAlias = NDArray[Any] | Sequence[Any] | ScalarLike
+"""Numbers of any kind, any shape: an array, nested sequences, or a single one."""
 
 
 def as_scalars(values) -> np.ndarray:

@@ -4,15 +4,13 @@ from __future__ import annotations
 
 import numpy as np
 
-from kinlib.dual_quaternion import DualQuaternion
+from kinlib.dual_quaternion import DualQuaternion, dual_size, eps_times, primal_size
 from kinlib.errors import DegenerateError
 from kinlib.projective import Subspace
 from kinlib.quadric import Quadric
 from kinlib.scalar import RTOL, is_zero, size
 
-__all__ = [
-    "EXCEPTIONAL_SPACE", "NULL_CONE", "STUDY_QUADRIC", "is_null_line", "null_form", "study_form", "study_projection",
-]  # fmt: skip
+__all__ = ["EXCEPTIONAL_SPACE", "NULL_CONE", "STUDY_QUADRIC", "is_null_line", "study_projection"]
 
 _I, _O = np.eye(4, dtype=int), np.zeros((4, 4), dtype=int)
 
@@ -24,24 +22,6 @@ NULL_CONE = Quadric(np.block([[_I, _O], [_O, _O]]))
 
 EXCEPTIONAL_SPACE = Subspace(np.hstack([_O, _I]))
 """E: the points [εd], singular on the null cone and contained in the Study quadric."""
-
-
-def study_form(x: DualQuaternion, y: DualQuaternion):
-    """The Study form b(x, y), shape (...); batches broadcast.
-
-    Examples
-    --------
-    >>> int(study_form(i, j - eps * i))       # two skew lines, one apart and at right angles
-    -1
-    """
-    (p0, p1, p2, p3, d0, d1, d2, d3), (r0, r1, r2, r3, e0, e1, e2, e3) = x.components, y.components
-    return p0 * e0 + p1 * e1 + p2 * e2 + p3 * e3 + d0 * r0 + d1 * r1 + d2 * r2 + d3 * r3
-
-
-def null_form(x: DualQuaternion, y: DualQuaternion):
-    """The null form ⟨x, y⟩ of the primal parts, shape (...); batches broadcast."""
-    (p0, p1, p2, p3), (r0, r1, r2, r3) = x.components[:4], y.components[:4]
-    return p0 * r0 + p1 * r1 + p2 * r2 + p3 * r3
 
 
 def is_null_line(x: DualQuaternion, y: DualQuaternion, *, rtol: float = RTOL) -> bool:
@@ -63,7 +43,7 @@ def is_null_line(x: DualQuaternion, y: DualQuaternion, *, rtol: float = RTOL) ->
     True
     """
     conditions = (x.norm(), y.norm(), x * y.conjugate() + y * x.conjugate())
-    (p, d), (r, e) = ((size(q.coeffs[..., :4]), size(q.coeffs[..., 4:])) for q in (x, y))
+    (p, d), (r, e) = ((size(primal_size(q)), size(dual_size(q))) for q in (x, y))
     scales = ((p * p, p * d), (r * r, r * e), (p * r, p * e + d * r))
     return all(
         np.all(is_zero(c.coeffs[..., half], scale, rtol))
@@ -96,9 +76,3 @@ def study_projection(q: DualQuaternion) -> DualQuaternion:
     if np.any(is_zero(a, rtol=0)):
         raise DegenerateError("the point lies on the null cone: its primal part has no direction")
     return q * (2 * a) - eps_times(q) * b
-
-
-def eps_times(q: DualQuaternion) -> DualQuaternion:
-    """The product εq, which moves the primal part to the dual part."""
-    p = q.components[:4]
-    return DualQuaternion.from_components(np.concatenate((np.zeros_like(p), p)))

@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 
 from kinlib.displacement import axis_of, unit
-from kinlib.dual_quaternion import DualQuaternion, eps, i, j, one
+from kinlib.dual_quaternion import DualQuaternion, eps, eps_times, i, j, null_form, one, study_form
 from kinlib.dyad import Dyad
 from kinlib.errors import DegenerateError, report_faults
 from kinlib.factorization import factor_in_orders, quadratic_factors, upper_roots
@@ -20,7 +20,6 @@ from kinlib.interpolation import conic, is_tangent
 from kinlib.poses import as_pose
 from kinlib.projective import same_point
 from kinlib.scalar import as_float, is_exact, is_zero, size
-from kinlib.study import eps_times, null_form, study_form
 
 __all__ = ["dyads_through_poses", "study_eigenvalues"]
 

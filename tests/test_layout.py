@@ -19,6 +19,7 @@ ORDER = [
     "scalar",
     "number_field",
     "dual_quaternion",
+    "typing",
     "projective",
     "quadric",
     "study",

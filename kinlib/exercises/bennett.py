@@ -10,7 +10,7 @@ import numpy as np
 
 from kinlib import line
 from kinlib.bennett import bennett_linkage
-from kinlib.dual_quaternion import DualQuaternion, one
+from kinlib.dual_quaternion import DualQuaternion, null_form, one, study_form
 from kinlib.exercises.checks import assert_equal, numbers
 from kinlib.exercises.lot import Lot
 from kinlib.factorization import bennett_flip, factorizations, factorize, quadratic_factors, quadratic_of
@@ -20,7 +20,6 @@ from kinlib.linkage import Linkage
 from kinlib.motion_polynomial import MotionPolynomial, linear_factor
 from kinlib.projective import same_point
 from kinlib.scalar import as_float, is_exact, is_zero, size
-from kinlib.study import null_form, study_form
 from kinlib.three_poses import dyads_through_poses, study_eigenvalues
 
 __all__ = [

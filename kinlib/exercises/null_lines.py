@@ -9,14 +9,14 @@ from typing import NamedTuple
 
 import numpy as np
 
-from kinlib.dual_quaternion import DualQuaternion, one
+from kinlib.dual_quaternion import DualQuaternion, null_form, one, study_form
 from kinlib.dyad import Dyad, TwoRSpace, recognise
 from kinlib.exercises.checks import assert_equal, numbers
 from kinlib.exercises.lot import PYTHAGOREAN, Lot
 from kinlib.projective import Subspace, meet, null_space, same_point
 from kinlib.quadric import Quadric
 from kinlib.scalar import as_float, is_zero, size
-from kinlib.study import is_null_line, null_form, study_form
+from kinlib.study import is_null_line
 
 __all__ = [
     "KINDS", "SHORTCUTS", "Data", "assert_answers", "assert_forms", "assert_null_lines", "assert_pose_at",
