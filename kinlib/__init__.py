@@ -35,6 +35,7 @@ from kinlib.study import (
     study_projection,
 )
 from kinlib.three_poses import dyads_through_poses, study_eigenvalues
+from kinlib.z_plane import ZFault, ZPlane, z_planes
 
 __all__ = [
     "EXCEPTIONAL_SPACE",
@@ -54,6 +55,8 @@ __all__ = [
     "RationalCurve",
     "Subspace",
     "TwoRSpace",
+    "ZFault",
+    "ZPlane",
     "act",
     "as_matrix",
     "as_pose",
@@ -93,5 +96,6 @@ __all__ = [
     "study_projection",
     "translation",
     "unit",
+    "z_planes",
 ]
 __version__ = "0.1.0"

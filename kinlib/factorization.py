@@ -320,11 +320,19 @@ def polished(C: MotionPolynomial, factors, steps: int = 3) -> list[DualQuaternio
             missing = [c - d for c, d in zip(C.coefficients[1:], product_of(factors)[1:], strict=True)]
             right = DualQuaternion.stack(missing, axis=-1).coeffs
             shape = right.shape[:-2]
-            right = np.nan_to_num(right.reshape(*shape, 8 * n, 1), posinf=0, neginf=0)
-            steps_taken = np.linalg.pinv(_derivative(factors, shape), rcond=1e-14) @ right
-            moves = DualQuaternion(steps_taken.reshape(*shape, n, 8))
+            right = right.reshape(*shape, 8 * n, 1)
+            moves = DualQuaternion(solved(_derivative(factors, shape), right).reshape(*shape, n, 8))
             factors = [h + moves[..., j] for j, h in enumerate(factors)]
     return factors
+
+
+def solved(matrix: np.ndarray, right: np.ndarray) -> np.ndarray:
+    """The solutions of linear systems in floats; the shortest ones where a matrix of the batch is singular."""
+    matrix, right = (np.nan_to_num(x, posinf=0, neginf=0) for x in (matrix, right))
+    try:
+        return np.linalg.solve(matrix, right)
+    except np.linalg.LinAlgError:
+        return np.linalg.pinv(matrix, rcond=1e-14) @ right
 
 
 def _derivative(factors, shape: tuple[int, ...]) -> np.ndarray:
@@ -336,7 +344,7 @@ def _derivative(factors, shape: tuple[int, ...]) -> np.ndarray:
         for a, left in enumerate(before):
             for b, right in enumerate(after):
                 matrix[..., a + b, :, j, :] -= _two_sided(left, right)
-    return np.nan_to_num(matrix.reshape(*shape, 8 * n, 8 * n), posinf=0, neginf=0)
+    return matrix.reshape(*shape, 8 * n, 8 * n)
 
 
 def _two_sided(left: DualQuaternion, right: DualQuaternion) -> np.ndarray:

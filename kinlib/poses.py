@@ -16,7 +16,7 @@ import numpy as np
 from kinlib.displacement import from_matrix, unit
 from kinlib.dual_quaternion import DualQuaternion, eps_times, null_form, study_form
 from kinlib.errors import DegenerateError, check_degenerate, named_rows
-from kinlib.scalar import RTOL, as_float, is_exact, is_zero
+from kinlib.scalar import RTOL, as_float, divide, is_exact, is_zero
 
 __all__ = ["as_pose"]
 
@@ -95,7 +95,7 @@ def _checked(q: DualQuaternion, length, rtol: float, name: str, degenerate: str)
     q = q.astype(float)
     p = np.sqrt(null_form(q, q))
     off = np.abs(study_form(q, q)) / 2
-    lever = np.broadcast_to(np.where(p > 0, _lever(q) + length, 0.0), p.shape)
+    lever = np.where(p > 0, _lever(q) + _over_other_axes(length, p.shape), 0.0)
     faults = [
         (~np.isfinite(q.components).all(axis=0), ValueError, "expected finite numbers, got NaN or infinity"),
         (p == 0, DegenerateError, EXCEPTIONAL),
@@ -104,6 +104,14 @@ def _checked(q: DualQuaternion, length, rtol: float, name: str, degenerate: str)
     bad = [_refused(where, error, name, message, degenerate) for where, error, message in faults]
     projected = q - eps_times(q) * (study_form(q, q) / (2 * p * p))
     return masked(projected, np.logical_or.reduce(bad))
+
+
+def _over_other_axes(length, shape: tuple[int, ...]) -> np.ndarray:
+    """The largest of the lengths that one row meets where batches of several shapes are combined."""
+    length = np.asarray(length)
+    length = length.max(axis=tuple(range(length.ndim - len(shape))), initial=0)
+    single = tuple(n for n, size in enumerate(shape) if size == 1 and length.shape[n] != 1)
+    return length.max(axis=single, keepdims=True, initial=0)
 
 
 EXCEPTIONAL = "the point lies in the exceptional three-space: its primal part is zero, so it is no pose"
@@ -151,17 +159,24 @@ class PoseProblem:
     middle : numpy.ndarray, shape (..., 3)
         The point that these displacements move least, seen in the frame of the poses.
     length : numpy.ndarray, shape (...)
-        The unit of length, a power of two; both are exact zeros and ones for exact poses.
+        The unit of length, a power of two; 1 about the origin for exact poses.
+    noise : numpy.ndarray, shape (...)
+        How far rounding of the given numbers may move a dual part, in the unit of length; 0 for exact poses.
     """
 
     home: DualQuaternion
     others: tuple[DualQuaternion, ...]
     middle: np.ndarray
     length: np.ndarray
+    noise: np.ndarray
 
     def outward(self, q: DualQuaternion) -> DualQuaternion:
         """What was found about the middle, in the frame and unit of the poses: half-turns and linear factors."""
         return moved_origin(_stretched(q, self.length), -self.middle)
+
+    def inward(self, q: DualQuaternion) -> DualQuaternion:
+        """What is given in the frame and unit of the poses, as seen about the middle."""
+        return _stretched(moved_origin(q, self.middle), divide(1, self.length) if self.is_exact else 1 / self.length)
 
     @property
     def is_exact(self) -> bool:
@@ -181,12 +196,36 @@ def seen_together(*given, degenerate: str = "raise", rtol: float = RTOL) -> Pose
     if exact:
         if any(getattr(c, "free_symbols", None) for q in poses for c in q.components.ravel()):
             raise ValueError("the poses contain symbols: the roots that are needed have no closed form; put in numbers")
-        return PoseProblem(home, tuple(seen), np.zeros(3, dtype=int), np.array(1))
+        return PoseProblem(home, tuple(seen), np.zeros(3, dtype=int), np.array(1), np.array(0))
     with np.errstate(invalid="ignore", divide="ignore", over="ignore"):
         middle = _middle(seen)
         centred = [moved_origin(q, middle) for q in seen]
         length = _power_of_two(reduce(np.maximum, [np.abs(q.components[4:]).max(axis=0) for q in centred]))
-        return PoseProblem(home, tuple(_stretched(q, 1 / length) for q in centred), middle, length)
+        lever = reduce(np.maximum, [_lever(q) for q in poses])
+        others = tuple(_on_quadric(_stretched(q, 1 / length)) for q in centred)
+        return PoseProblem(home, others, middle, length, np.finfo(float).eps * lever / length)
+
+
+def between(x: DualQuaternion, y: DualQuaternion) -> DualQuaternion:
+    """The displacement from pose x to pose y, y x̄; of primal length 1 if both are."""
+    return y * x.conjugate()
+
+
+def mutual_form(x: DualQuaternion, y: DualQuaternion):
+    """The Study form b(x, y) of two poses, in floats with all digits where the poses are near each other.
+
+    It is the dual scalar part e0 of r = y x̄, and r lies on the Study quadric: r0 e0 + r1 e1 + r2 e2 + r3 e3 = 0.
+    """
+    r = between(x, y)
+    return study_form(x, y) if is_exact(r.components) else _on_quadric(r).components[4]
+
+
+def _on_quadric(q: DualQuaternion) -> DualQuaternion:
+    """The dual scalar part computed anew from the others, where it is not the least of them."""
+    p0, p1, p2, p3, d0, d1, d2, d3 = q.components
+    near = 2 * p0 * p0 > p0 * p0 + p1 * p1 + p2 * p2 + p3 * p3
+    small = -(p1 * d1 + p2 * d2 + p3 * d3) / np.where(near, p0, 1)
+    return DualQuaternion.from_components(np.stack([p0, p1, p2, p3, np.where(near, small, d0), d1, d2, d3]))
 
 
 def moved_origin(q: DualQuaternion, origin: np.ndarray) -> DualQuaternion:
