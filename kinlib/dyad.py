@@ -3,20 +3,22 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from numbers import Rational
 from typing import NamedTuple
 
 import numpy as np
 
 from kinlib.displacement import unit
-from kinlib.dual_quaternion import DualQuaternion, null_form, one, study_form
-from kinlib.errors import DegenerateError
+from kinlib.dual_quaternion import DualQuaternion, dual_size, null_form, one, study_form
+from kinlib.errors import DegenerateError, check_degenerate, named_rows
 from kinlib.line import Line
 from kinlib.number_field import square_root
-from kinlib.poses import as_pose
+from kinlib.poses import as_pose, gap, middle_of, moved_origin, stretched
 from kinlib.projective import Subspace, coordinates_of, join, null_space
 from kinlib.quadric import Quadric, binary_roots
-from kinlib.scalar import RTOL, divide, imaginary_unit, is_exact, is_infinite, is_zero, size
+from kinlib.scalar import RTOL, as_float, divide, imaginary_unit, is_exact, is_infinite, is_zero, size
 from kinlib.study import NULL_CONE, STUDY_QUADRIC
+from kinlib.typing import PoseLike
 
 __all__ = ["Dyad", "NullQuadrilateral", "TwoRSpace", "recognise"]
 
@@ -93,22 +95,41 @@ class Dyad:
         """The 2R space of the dyad."""
         return TwoRSpace(self)
 
-    def coordinates(self, pose: DualQuaternion) -> tuple:
-        """The x0, x1, x2, x3 with primal part of pose = that of x0 + x1 h1 + x2 h2 + x3 h1h2 (times home).
+    def coordinates(self, point: PoseLike) -> tuple:
+        """The x0, x1, x2, x3 with primal part of the point = that of x0 + x1 h1 + x2 h2 + x3 h1h2 (times home).
 
-        Poses R(t1, t2) have the coordinates t1 t2, −t2, −t1, 1, so they lie on the quadric x0 x3 = x1 x2.
+        Only the orientation counts: there is one point of the 2R space with it, and where the given point lies is not
+        asked.  Poses R(t1, t2) have the coordinates t1 t2, −t2, −t1, 1, so they lie on the quadric x0 x3 = x1 x2.
+
+        Parameters
+        ----------
+        point : pose, or any dual quaternion of shape (...)
         """
         if np.any(self.is_parallel()):
             raise DegenerateError("the axes are parallel: their 2R space meets the exceptional three-space")
-        return primal_coordinates(pose * self.home.inverse(), self.h1, self.h2)
+        q = point if isinstance(point, DualQuaternion) else as_pose(point)
+        return primal_coordinates(q * self.home.inverse(), self.h1, self.h2)
 
     def is_parallel(self):
         """Whether the two axes are parallel, so that the 2R space meets the exceptional three-space."""
         n1, n2, c = null_form(self.h1, self.h1), null_form(self.h2, self.h2), null_form(self.h1, self.h2)
         return is_zero(n1 * n2 - c * c, n1 * n2, 1e-28)
 
-    def parameters(self, pose: DualQuaternion) -> tuple:
-        """The t1, t2 with R(t1, t2) = pose, for a pose that the dyad reaches.
+    def parameters(self, pose: PoseLike, *, rtol: float = RTOL, degenerate: str = "raise") -> tuple:
+        """The t1, t2 with R(t1, t2) = pose, for a pose that the dyad reaches; ∞ where a joint is at home.
+
+        Parameters
+        ----------
+        pose : pose, shape (...)
+        rtol : float
+            How far the dyad may pass from the pose, in half-angles and in units of its own size.
+        degenerate : {"raise", "nan"}
+            What to do about poses that are not reached.
+
+        Raises
+        ------
+        DegenerateError
+            If the dyad does not reach the pose, with the distance to the pose of the dyad that is as near in turning.
 
         Examples
         --------
@@ -116,10 +137,41 @@ class Dyad:
         >>> t1, t2 = dyad.parameters(dyad(2, 3))
         >>> int(t1), int(t2)
         (2, 3)
+        >>> dyad.parameters(1 + k)
+        Traceback (most recent call last):
+        ...
+        kinlib.errors.DegenerateError: the dyad does not reach the pose: it passes by at 2 (half-angles, own lengths)
         """
-        x0, x1, x2, x3 = self.coordinates(pose)
-        with np.errstate(divide="ignore", invalid="ignore"):
-            return _ratio(x2, x3, x0, x1), _ratio(x1, x3, x0, x2)
+        q = as_pose(pose) * self.home.inverse()
+        turns = homogeneous_parameters(primal_coordinates(q, self.h1, self.h2))
+        off = self._gap(reached(self.h1, self.h2, turns), q)
+        bad = self._unreached(off, rtol, degenerate)
+        t1, t2 = (_parameter(numerator, denominator) for numerator, denominator in turns)
+        return (np.where(bad, np.nan, t1), np.where(bad, np.nan, t2)) if np.any(bad) else (t1, t2)
+
+    def _gap(self, found: DualQuaternion, wanted: DualQuaternion) -> np.ndarray:
+        """How far two displacements are apart about the middle of the axes, in units of the dyad's size."""
+        if is_exact(found.components) and is_exact(wanted.components):
+            apart = gap(found, wanted)
+            return np.where(apart == 0, 0.0, np.maximum(self._gap(_floats(found), _floats(wanted)), 2 * RTOL))
+        found, wanted, h1, h2 = (_floats(q) for q in (found, wanted, self.h1, self.h2))
+        middle = middle_of([h1, h2])
+        found, wanted, h1, h2 = (moved_origin(unit(q), middle) for q in (found, wanted, h1, h2))
+        length = np.maximum.reduce(np.broadcast_arrays(*(dual_size(q) for q in (wanted, h1, h2))))
+        return gap(*(stretched(q, 1 / np.where(length > 0, length, 1)) for q in (found, wanted)))
+
+    @staticmethod
+    def _unreached(off: np.ndarray, rtol: float, degenerate: str) -> np.ndarray:
+        check_degenerate(degenerate)
+        bad = np.asarray(~(off <= rtol))
+        if degenerate == "raise" and bad.any():
+            rows = np.flatnonzero(bad) if bad.ndim else []
+            raise DegenerateError(
+                f"{named_rows(rows)}the dyad does not reach the pose: it passes by at {np.max(off):.2g} "
+                "(half-angles, own lengths)",
+                rows=tuple(map(int, rows)),
+            )
+        return bad
 
 
 def primal_coordinates(x: DualQuaternion, h1: DualQuaternion, h2: DualQuaternion) -> tuple:
@@ -135,14 +187,48 @@ def primal_coordinates(x: DualQuaternion, h1: DualQuaternion, h2: DualQuaternion
     )
 
 
-def _ratio(numerator, denominator, other_numerator, other_denominator):
-    """−numerator/denominator, or −other_numerator/other_denominator where that is 0/0; ∞ over 0."""
-    use = is_zero(denominator, size([numerator, denominator]), rtol=0)
-    if np.ndim(use) == 0 and use:
-        numerator, denominator = other_numerator, other_denominator
-        if is_zero(denominator, rtol=0):
-            return np.inf
-    return -divide(numerator, denominator)
+def _floats(q: DualQuaternion) -> DualQuaternion:
+    return DualQuaternion(as_float(q.coeffs))
+
+
+def homogeneous_parameters(x: tuple) -> tuple[tuple, tuple]:
+    """The parameters t1 = a1/b1, t2 = a2/b2 of the pose with primal coordinates t1 t2, −t2, −t1, 1, as pairs (a, b).
+
+    Each is found twice, from −x2/x3 and −x0/x1, or from −x1/x3 and −x0/x2; the larger numbers are taken.
+    """
+    x0, x1, x2, x3 = np.broadcast_arrays(*x)
+    return _larger((x2, -x3), (x0, -x1)), _larger((x1, -x3), (x0, -x2))
+
+
+def _larger(first: tuple, second: tuple) -> tuple:
+    sizes = [np.abs(as_float(a)) + np.abs(as_float(b)) for a, b in (first, second)] if _are_numbers(*first) else None
+    use = np.all([is_zero(x, rtol=0) for x in first], axis=0) if sizes is None else sizes[0] < sizes[1]
+    return tuple(np.where(use, x, y)[()] for x, y in zip(second, first, strict=True))
+
+
+def _are_numbers(*values) -> bool:
+    """Whether there are no symbols among exact numbers."""
+    return all(np.asarray(x).dtype.kind != "O" or all(isinstance(y, Rational) for y in np.ravel(x)) for x in values)
+
+
+def reached(h1: DualQuaternion, h2: DualQuaternion, turns) -> DualQuaternion:
+    """A multiple of the pose (t1 − h1)(t2 − h2) for the parameters a/b, given as pairs (a, b)."""
+    (a1, b1), (a2, b2) = turns
+    return (a1 - h1 * b1) * (a2 - h2 * b2)
+
+
+def _quotient_or_infinity(a, b):
+    if is_zero(b, abs(a), 1e-15) if isinstance(b, float) else is_zero(b):
+        return np.inf
+    return divide(a, b)
+
+
+def _parameter(a, b):
+    """The quotient a/b; ∞ where b vanishes."""
+    values = np.frompyfunc(_quotient_or_infinity, 2, 1)(a, b)
+    if np.asarray(a).dtype.kind in "fc":
+        return values if np.ndim(values) == 0 else values.astype(np.result_type(a, b))
+    return values
 
 
 def _factor(t, h: DualQuaternion) -> DualQuaternion:

@@ -172,11 +172,11 @@ class PoseProblem:
 
     def outward(self, q: DualQuaternion) -> DualQuaternion:
         """What was found about the middle, in the frame and unit of the poses: half-turns and linear factors."""
-        return moved_origin(_stretched(q, self.length), -self.middle)
+        return moved_origin(stretched(q, self.length), -self.middle)
 
     def inward(self, q: DualQuaternion) -> DualQuaternion:
         """What is given in the frame and unit of the poses, as seen about the middle."""
-        return _stretched(moved_origin(q, self.middle), divide(1, self.length) if self.is_exact else 1 / self.length)
+        return stretched(moved_origin(q, self.middle), divide(1, self.length) if self.is_exact else 1 / self.length)
 
     @property
     def is_exact(self) -> bool:
@@ -198,11 +198,11 @@ def seen_together(*given, degenerate: str = "raise", rtol: float = RTOL) -> Pose
             raise ValueError("the poses contain symbols: the roots that are needed have no closed form; put in numbers")
         return PoseProblem(home, tuple(seen), np.zeros(3, dtype=int), np.array(1), np.array(0))
     with np.errstate(invalid="ignore", divide="ignore", over="ignore"):
-        middle = _middle(seen)
+        middle = middle_of(seen)
         centred = [moved_origin(q, middle) for q in seen]
         length = _power_of_two(reduce(np.maximum, [np.abs(q.components[4:]).max(axis=0) for q in centred]))
         lever = reduce(np.maximum, [_lever(q) for q in poses])
-        others = tuple(_on_quadric(_stretched(q, 1 / length)) for q in centred)
+        others = tuple(_on_quadric(stretched(q, 1 / length)) for q in centred)
         return PoseProblem(home, others, middle, length, np.finfo(float).eps * lever / length)
 
 
@@ -236,13 +236,13 @@ def moved_origin(q: DualQuaternion, origin: np.ndarray) -> DualQuaternion:
     return DualQuaternion.from_components(np.stack(np.broadcast_arrays(p0, p1, p2, p3, d0, *moment)))
 
 
-def _stretched(q: DualQuaternion, factor) -> DualQuaternion:
+def stretched(q: DualQuaternion, factor) -> DualQuaternion:
     """All lengths multiplied by a factor, shape (...)."""
     primal, dual = np.broadcast_arrays(q.components[:4], q.components[4:] * factor)
     return DualQuaternion.from_components(np.concatenate([primal, dual]))
 
 
-def _middle(seen: list[DualQuaternion]) -> np.ndarray:
+def middle_of(seen: list[DualQuaternion]) -> np.ndarray:
     """The point c with least Σ |d + p × c|², (Σ |p|² − p pᵀ) c = Σ p × d; near the origin where that leaves it free."""
     p = [np.moveaxis(q.components[1:4], 0, -1) for q in seen]
     d = [np.moveaxis(q.components[5:8], 0, -1) for q in seen]

@@ -16,7 +16,7 @@ import numpy as np
 
 from kinlib.displacement import axis_of, unit
 from kinlib.dual_quaternion import DualQuaternion, eps, eps_times, i, j, null_form, one, study_form
-from kinlib.dyad import Dyad, primal_coordinates
+from kinlib.dyad import Dyad, homogeneous_parameters, primal_coordinates, reached
 from kinlib.errors import Fault, first_fault, report_faults
 from kinlib.factorization import factor_in_orders, polished, quadratic_factors, solved
 from kinlib.motion_polynomial import MotionPolynomial
@@ -469,18 +469,10 @@ def _missed(others, start, k1: DualQuaternion, k2: DualQuaternion) -> np.ndarray
 
 def _missed_by(problem: PoseProblem, h1: DualQuaternion, h2: DualQuaternion) -> np.ndarray:
     """How far both dyads together are from the poses, whatever their parameters there."""
-    off = [gap(_reached(h1, h2, q[..., None]), q[..., None]) for q in problem.others]
+    seen = [q[..., None] for q in problem.others]
+    turns = [homogeneous_parameters(primal_coordinates(q, h1, h2)) for q in seen]
+    off = [gap(reached(h1, h2, turn), q) for turn, q in zip(turns, seen, strict=True)]
     return np.maximum(*off).max(axis=-1)
-
-
-def _reached(h1: DualQuaternion, h2: DualQuaternion, q: DualQuaternion) -> DualQuaternion:
-    """The pose of a dyad with the parameters that the primal part of q asks for."""
-    x0, x1, x2, x3 = primal_coordinates(q, h1, h2)
-    first = np.abs(x2) + np.abs(x3) > np.abs(x0) + np.abs(x1)
-    turned1 = np.where(first, x2, x0), np.where(first, x3, x1)
-    second = np.abs(x1) + np.abs(x3) > np.abs(x0) + np.abs(x2)
-    turned2 = np.where(second, x1, x0), np.where(second, x3, x2)
-    return (h1 * turned1[1] + turned1[0]) * (h2 * turned2[1] + turned2[0])
 
 
 def _coincide(k: DualQuaternion) -> np.ndarray:
