@@ -8,8 +8,10 @@ to what is computed.  Exact poses stay as they are.
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from functools import reduce
+from functools import cached_property, reduce
+from itertools import combinations
 
 import numpy as np
 
@@ -97,9 +99,9 @@ def _checked(q: DualQuaternion, length, rtol: float, name: str, degenerate: str)
     off = np.abs(study_form(q, q)) / 2
     lever = np.where(p > 0, _lever(q) + _over_other_axes(length, p.shape), 0.0)
     faults = [
-        (~np.isfinite(q.components).all(axis=0), ValueError, "expected finite numbers, got NaN or infinity"),
-        (p == 0, DegenerateError, EXCEPTIONAL),
-        (off > (precision * lever + ULPS) * p * p, ValueError, _off_the_quadric(off, lever * p * p)),
+        (~np.isfinite(q.components).all(axis=0), ValueError, lambda: "expected finite numbers, got NaN or infinity"),
+        (p == 0, DegenerateError, lambda: EXCEPTIONAL),
+        (off > (precision * lever + ULPS) * p * p, ValueError, lambda: _off_the_quadric(off, lever * p * p)),
     ]
     bad = [_refused(where, error, name, message, degenerate) for where, error, message in faults]
     projected = q - eps_times(q) * (study_form(q, q) / (2 * p * p))
@@ -125,9 +127,9 @@ def _off_the_quadric(off, scale) -> str:
     )
 
 
-def _refused(where, error, name: str, message: str, degenerate: str):
+def _refused(where, error, name: str, message: Callable[[], str], degenerate: str):
     if degenerate == "raise" and np.any(where):
-        raise error(f"{named_rows(np.flatnonzero(where) if np.ndim(where) else [])}{name}{message}")
+        raise error(f"{named_rows(np.flatnonzero(where) if np.ndim(where) else [])}{name}{message()}")
     return where
 
 
@@ -170,6 +172,17 @@ class PoseProblem:
     length: np.ndarray
     noise: np.ndarray
 
+    @cached_property
+    def steps(self) -> tuple[DualQuaternion, ...]:
+        """The displacements from pose m to pose n, in the order of ``itertools.combinations``."""
+        between = (q * p.conjugate() for p, q in combinations(self.others, 2))
+        return *self.others, *(between if self.is_exact else map(_on_quadric, between))
+
+    @cached_property
+    def forms(self) -> tuple:
+        """The Study forms b(p_m, p_n), in the order of the steps: their dual scalar parts."""
+        return tuple(step.components[4] for step in self.steps)
+
     def outward(self, q: DualQuaternion) -> DualQuaternion:
         """What was found about the middle, in the frame and unit of the poses: half-turns and linear factors."""
         return moved_origin(stretched(q, self.length), -self.middle)
@@ -206,20 +219,6 @@ def seen_together(*given, degenerate: str = "raise", rtol: float = RTOL) -> Pose
         return PoseProblem(home, others, middle, length, np.finfo(float).eps * lever / length)
 
 
-def between(x: DualQuaternion, y: DualQuaternion) -> DualQuaternion:
-    """The displacement from pose x to pose y, y x̄; of primal length 1 if both are."""
-    return y * x.conjugate()
-
-
-def mutual_form(x: DualQuaternion, y: DualQuaternion):
-    """The Study form b(x, y) of two poses, in floats with all digits where the poses are near each other.
-
-    It is the dual scalar part e0 of r = y x̄, and r lies on the Study quadric: r0 e0 + r1 e1 + r2 e2 + r3 e3 = 0.
-    """
-    r = between(x, y)
-    return study_form(x, y) if is_exact(r.components) else _on_quadric(r).components[4]
-
-
 def _on_quadric(q: DualQuaternion) -> DualQuaternion:
     """The dual scalar part computed anew from the others, where it is not the least of them."""
     p0, p1, p2, p3, d0, d1, d2, d3 = q.components
@@ -242,18 +241,23 @@ def stretched(q: DualQuaternion, factor) -> DualQuaternion:
     return DualQuaternion.from_components(np.concatenate([primal, dual]))
 
 
-def middle_of(seen: list[DualQuaternion]) -> np.ndarray:
+def middle_of(seen: Sequence[DualQuaternion]) -> np.ndarray:
     """The point c with least Σ |d + p × c|², (Σ |p|² − p pᵀ) c = Σ p × d; near the origin where that leaves it free."""
-    p = [np.moveaxis(q.components[1:4], 0, -1) for q in seen]
-    d = [np.moveaxis(q.components[5:8], 0, -1) for q in seen]
-    right = sum(np.cross(x, y) for x, y in zip(p, d, strict=True))
-    square = sum((x * x).sum(-1) for x in p)[..., None, None]
-    system = np.eye(3) * (1 + 1e-13) * square - sum(x[..., :, None] * x[..., None, :] for x in p)
-    a, b, c = np.moveaxis(system, -2, 0)
-    adjugate = np.stack([np.cross(b, c), np.cross(c, a), np.cross(a, b)], axis=-1)
-    determinant = (a * np.cross(b, c)).sum(-1)[..., None]
-    solution = (adjugate @ right[..., None])[..., 0] / np.where(determinant == 0, 1, determinant)
-    return np.where(np.isfinite(solution) & (determinant != 0), solution, 0)
+    p1, p2, p3, d1, d2, d3 = np.stack([q.components[[1, 2, 3, 5, 6, 7]] for q in seen], axis=-1)
+    right = [_sum(x) for x in (p2 * d3 - p3 * d2, p3 * d1 - p1 * d3, p1 * d2 - p2 * d1)]
+    xx, yy, zz, xy, yz, zx = (_sum(x) for x in (p1 * p1, p2 * p2, p3 * p3, p1 * p2, p2 * p3, p3 * p1))
+    slack = 1e-13 * (xx + yy + zz)
+    a, b, c = yy + zz + slack, zz + xx + slack, xx + yy + slack
+    mxy, myz, mzx = c * xy + zx * yz, a * yz + xy * zx, b * zx + xy * yz
+    rows = (b * c - yz * yz, mxy, mzx), (mxy, a * c - zx * zx, myz), (mzx, myz, a * b - xy * xy)
+    determinant = a * rows[0][0] - xy * mxy - zx * mzx
+    scale = np.where(determinant > 0, determinant, np.inf)
+    point = np.stack([sum(m * x for m, x in zip(row, right, strict=True)) / scale for row in rows], axis=-1)
+    return np.where(np.isfinite(point), point, 0)
+
+
+def _sum(x: np.ndarray) -> np.ndarray:
+    return x.sum(axis=-1)
 
 
 def _power_of_two(length: np.ndarray) -> np.ndarray:

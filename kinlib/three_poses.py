@@ -9,7 +9,6 @@ factors about the axes of either dyad.
 from __future__ import annotations
 
 from dataclasses import replace
-from itertools import combinations
 from typing import NamedTuple
 
 import numpy as np
@@ -20,8 +19,8 @@ from kinlib.dyad import Dyad, homogeneous_parameters, primal_coordinates, reache
 from kinlib.errors import Fault, first_fault, report_faults
 from kinlib.factorization import factor_in_orders, polished, quadratic_factors, solved
 from kinlib.motion_polynomial import MotionPolynomial
-from kinlib.poses import PoseProblem, as_pose, between, gap, masked, mutual_form, seen_together
-from kinlib.scalar import as_float, divide, is_zero
+from kinlib.poses import PoseProblem, as_pose, gap, masked, seen_together
+from kinlib.scalar import as_float, divide, is_exact, is_zero
 
 __all__ = ["dyads_through_poses", "study_eigenvalues"]
 
@@ -143,40 +142,30 @@ def _in_floats(pose) -> DualQuaternion:
 # ---- what is wrong with the poses --------------------------------------------------------------------
 
 
-def _pairs_of_poses(problem: PoseProblem) -> list[Pair]:
-    return list(combinations((_identity(problem), *problem.others), 2))
-
-
-def _identity(problem: PoseProblem) -> DualQuaternion:
-    return problem.others[0] * 0 + 1
-
-
 def faults_of_poses(problem: PoseProblem) -> np.ndarray:
     """What is wrong with three poses themselves, whatever is asked of them: a PoseFault a row, or 0."""
-    pairs = _pairs_of_poses(problem)
-    steps = [between(x, y) for x, y in pairs]
-    same = [(_small_primal(r) & _small_dual(r, problem), fault) for r, fault in zip(steps, EQUAL, strict=True)]
-    slides = [(_small_primal(r), fault) for r, fault in zip(steps, SLIDE, strict=True)]
-    forms = [mutual_form(x, y) for x, y in pairs]
-    inside = np.all([_vanishes(b, r, problem) for b, r in zip(forms, steps, strict=True)], axis=0)
+    still = [_is_still(step) for step in problem.steps]
+    same = [turned & _is_near(step, problem) for turned, step in zip(still, problem.steps, strict=True)]
     return first_fault(
         (_not_finite(problem), PoseFault.INVALID),
-        *same,
-        *slides,
-        (_apart(*problem.others) <= _limit(problem, APART), PoseFault.PARALLEL),
-        (inside, PoseFault.INSIDE),
+        *zip(same, EQUAL, strict=True),
+        *zip(still, SLIDE, strict=True),
+        (_apart(*problem.others) <= (0 if problem.is_exact else APART), PoseFault.PARALLEL),
+        (np.all(_are_rotations(problem), axis=0), PoseFault.INSIDE),
     )
 
 
 def tangent_faults(problem: PoseProblem) -> np.ndarray:
     """Which two poses differ by a rotation, so that there is no conic: a PoseFault a row, or 0."""
-    where = [_vanishes(mutual_form(x, y), between(x, y), problem) for x, y in _pairs_of_poses(problem)]
-    return first_fault(*zip(where, TANGENTS, strict=True))
+    return first_fault(*zip(_are_rotations(problem), TANGENTS, strict=True))
 
 
-def _limit(problem: PoseProblem, limit: float) -> float:
-    """How small a float may be before it counts as zero; exact numbers must vanish."""
-    return 0.0 if problem.is_exact else limit
+def _are_rotations(problem: PoseProblem) -> list[np.ndarray]:
+    """Whether the steps are rotations: b divided by the sine of the half-angle is the pitch, up to a factor."""
+    limit = 1e-14 + 4 * problem.noise
+    return [
+        is_zero(b, _largest(step.components[1:4]), limit) for b, step in zip(problem.forms, problem.steps, strict=True)
+    ]
 
 
 def _not_finite(problem: PoseProblem) -> np.ndarray:
@@ -187,36 +176,30 @@ def _largest(rows) -> np.ndarray:
     return np.max([np.abs(as_float(x)) for x in rows], axis=0)
 
 
-def _small_primal(r: DualQuaternion) -> np.ndarray:
-    turn = r.components[1:4]
-    return np.all(is_zero(turn, 1.0, APART), axis=0)
+def _is_still(step: DualQuaternion) -> np.ndarray:
+    """Whether a step does not turn."""
+    return np.all(is_zero(step.components[1:4], 1.0, APART), axis=0)
 
 
-def _small_dual(r: DualQuaternion, problem: PoseProblem) -> np.ndarray:
-    return np.all(is_zero(r.components[4:], 1.0, APART + problem.noise), axis=0)
-
-
-def _vanishes(b, r: DualQuaternion, problem: PoseProblem) -> np.ndarray:
-    """Whether a displacement is a rotation: b divided by the sine of its half-angle is its pitch, up to a factor."""
-    return is_zero(b, _largest(r.components[1:4]), 1e-14 + 4 * problem.noise)
+def _is_near(step: DualQuaternion, problem: PoseProblem) -> np.ndarray:
+    """Whether a step that does not turn does not shift either."""
+    return np.all(is_zero(step.components[4:], 1.0, APART + problem.noise), axis=0)
 
 
 def _apart(q1: DualQuaternion, q2: DualQuaternion) -> np.ndarray:
     """How far the plane of [1], [q1], [q2] is from the exceptional space: 0 if the turns have parallel axes."""
-    u1, u2 = (np.moveaxis(q.components[1:4], 0, -1) for q in (q1, q2))
-    cross = np.cross(u1, u2)
-    if cross.dtype.kind == "O":
-        return np.where(np.all(is_zero(cross), axis=-1), 0.0, 1.0)
-    longest = np.maximum(np.linalg.norm(u1, axis=-1), np.linalg.norm(u2, axis=-1))
-    return np.linalg.norm(cross, axis=-1) / np.where(longest > 0, longest, 1)
+    (a1, a2, a3), (b1, b2, b3) = (q.components[1:4] for q in (q1, q2))
+    cross = np.array([a2 * b3 - a3 * b2, a3 * b1 - a1 * b3, a1 * b2 - a2 * b1])
+    if is_exact(cross):
+        return np.where(np.all(is_zero(cross), axis=0), 0.0, 1.0)
+    longest = np.sqrt(np.maximum(a1 * a1 + a2 * a2 + a3 * a3, b1 * b1 + b2 * b2 + b3 * b3))
+    return np.sqrt((cross * cross).sum(axis=0)) / np.where(longest > 0, longest, 1)
 
 
 def _nearest(problem: PoseProblem) -> tuple[np.ndarray, np.ndarray]:
     """The fault that each row is nearest to, and how near, relative to the size of what vanishes there."""
-    pairs = _pairs_of_poses(problem)
-    steps = [between(x, y) for x, y in pairs]
-    turns, shifts = ([_largest(r.components[part]) for r in steps] for part in (slice(1, 4), slice(4, 8)))
-    forms = [np.abs(mutual_form(x, y)) for x, y in pairs]
+    turns, shifts = ([_largest(step.components[part]) for step in problem.steps] for part in (slice(1, 4), slice(4, 8)))
+    forms = [np.abs(b) for b in problem.forms]
     measured = [
         *zip([np.maximum(*sizes) for sizes in zip(turns, shifts, strict=True)], EQUAL, strict=True),
         *zip([turn / (turn + shift) for turn, shift in zip(turns, shifts, strict=True)], SLIDE, strict=True),
@@ -310,7 +293,7 @@ def _float_dyads(problem: PoseProblem, faults, method: str, degenerate: str) -> 
         no_conic = ~(missed <= MET)
         h1, h2 = (_chosen(no_conic, h, _half_turn(k)) for h, k in ((h1, k1), (h2, k2)))
         double = _has_double_roots(problem, plane) & (no_conic | _same_quadratics(k1, k2))
-        off = np.where(no_conic, _missed_by(problem, h1, h2), missed)
+        off = np.where(no_conic, _missed_by(problem, h1, h2), missed) if no_conic.any() else missed
     faults = np.where(faults, faults, double * PoseFault.DOUBLE)
     only = (
         _only_dyad(problem, plane)
@@ -323,8 +306,8 @@ def _float_dyads(problem: PoseProblem, faults, method: str, degenerate: str) -> 
         nearest, how_near = _nearest(problem)
         report_faults(lost * nearest, PoseFault, degenerate, place=ALMOST, how_near=how_near)
     bad = (bad | lost)[..., None]
-    order = np.where(~no_conic & _comes_later(k1), 1, 0)[..., None] ^ np.arange(2)
-    h1, h2, k1, k2 = (_ordered(q, order) for q in (h1, h2, k1, k2))
+    later = ~no_conic & _comes_later(k1)
+    h1, h2, k1, k2 = (_exchanged(q, later) for q in (h1, h2, k1, k2))
     return TwoDyads(masked(h1, bad), masked(h2, bad), *(masked(k, bad | no_conic[..., None]) for k in (k1, k2)), start)
 
 
@@ -366,7 +349,7 @@ def _start(problem: PoseProblem) -> np.ndarray:
 
 def _weights(problem: PoseProblem) -> tuple:
     """The b02/b12 and b01/b12 with which C(0) and C(1) are multiples of the second and third pose."""
-    b01, b02, b12 = (mutual_form(x, y) for x, y in _pairs_of_poses(problem))
+    b01, b02, b12 = problem.forms
     return divide(b02, b12), divide(b01, b12)
 
 
@@ -378,7 +361,7 @@ def _conic_from(problem: PoseProblem, start: np.ndarray) -> MotionPolynomial:
     q1, q2 = (q * weight for q, weight in zip(problem.others, _weights(problem), strict=True))
     linear = q2 - q1 + (2 * start - 1)
     constant = q1 * (1 - start) + q2 * start
-    return MotionPolynomial.from_coefficients((_identity(problem), linear, constant))
+    return MotionPolynomial.from_coefficients((linear * 0 + 1, linear, constant))
 
 
 def _for_both(C: MotionPolynomial) -> MotionPolynomial:
@@ -498,9 +481,9 @@ TIE = 1e-9
 """How near two real parts may be, relative to the imaginary parts, before the imaginary parts decide the order."""
 
 
-def _ordered(q: DualQuaternion, order: np.ndarray) -> DualQuaternion:
-    """The two dyads in the given order, shape (..., 2)."""
-    return DualQuaternion.from_components(np.take_along_axis(q.components, order[None], axis=-1))
+def _exchanged(q: DualQuaternion, rows: np.ndarray) -> DualQuaternion:
+    """The two dyads in the other order in some rows."""
+    return DualQuaternion.from_components(np.where(rows[..., None], q.components[..., ::-1], q.components))
 
 
 # ---- the routes: half-turns of both dyads, from the poses and the diagonal form of their plane ---------
@@ -581,8 +564,7 @@ def _axes(minus: Pair, plus: Pair) -> Pair:
     total, projection = _turned(*plus)
     h1, h2 = total + difference, total - difference
     product = 1 - 2 * projection
-    straight = (h1 * h2).components[1:4] * product.components[1:4]
-    swap = np.where(straight.sum(axis=0) < 0, -1, 1)
+    swap = np.where(null_form(h1 * h2, product - product.scalar_part) < 0, -1, 1)
     return tuple(_half_turn(_on_axis(h)) for h in (total + difference * swap, total - difference * swap))
 
 
