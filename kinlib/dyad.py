@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from kinlib.displacement import unit
-from kinlib.dual_quaternion import DualQuaternion, dual_size, null_form, one, study_form
+from kinlib.dual_quaternion import DualQuaternion, dual_size, null_form, one, primal_size, study_form
 from kinlib.errors import DegenerateError, check_degenerate, named_rows
 from kinlib.line import Line
 from kinlib.number_field import square_root
@@ -67,10 +67,13 @@ class Dyad:
 
     def __post_init__(self):
         for name, h in (("h1", self.h1), ("h2", self.h2)):
+            if not isinstance(h, DualQuaternion):
+                raise TypeError(f"expected {name} as a DualQuaternion, the half-turn about an axis, got {h!r}")
             if np.any(~_is_half_turn(h)):
                 raise ValueError(f"{name} is no half-turn l + εm about a line: l ≠ 0 and l · m = 0 are needed")
         if np.any(_commute(self.h1, self.h2)):
             raise DegenerateError("h1 and h2 commute, so their axes agree: a 2R dyad needs two different axes")
+        object.__setattr__(self, "home", _pose_or_nan(self.home))
 
     def __call__(self, t1, t2) -> DualQuaternion:
         """The pose R(t1, t2) of equation (2); t = ∞ is no rotation."""
@@ -235,6 +238,17 @@ def _factor(t, h: DualQuaternion) -> DualQuaternion:
     return one if np.ndim(t) == 0 and is_infinite(t) else t - h
 
 
+def _pose_or_nan(home: PoseLike) -> DualQuaternion:
+    """The home pose, checked but for rows of NaN, which stand for what is not determined."""
+    if not isinstance(home, DualQuaternion) or home.components.dtype.kind != "f":
+        return as_pose(home)
+    undetermined = np.isnan(home.components).any(axis=0)
+    if not undetermined.any():
+        return as_pose(home)
+    as_pose(DualQuaternion(np.where(undetermined[..., None], one.coeffs.astype(float), home.coeffs)))
+    return home
+
+
 def _is_half_turn(h: DualQuaternion):
     real = is_zero(h.components[[0, 4]], size(h.components, 0), RTOL)
     p, d = size(h.components[1:4], 0), size(h.components[5:], 0)
@@ -310,7 +324,7 @@ class TwoRSpace:
         return NullQuadrilateral(*(self.dyad(s1 * t1, s2 * t2) for s1, s2 in signs))
 
 
-def recognise(basis, *, rtol: float = RTOL) -> Dyad:
+def recognise(basis, *, rtol: float = RTOL, degenerate: str = "raise") -> Dyad:
     """Theorem 1 as a procedure: the 2R dyad of a 3-space, or the condition that fails.
 
     A real 3-space P through [1] that misses E is a 2R space exactly if A = N⁻¹S satisfies
@@ -320,10 +334,12 @@ def recognise(basis, *, rtol: float = RTOL) -> Dyad:
 
     Parameters
     ----------
-    basis : Subspace, TwoRSpace, DualQuaternion of shape (4,), or array_like of shape (4, 8)
+    basis : Subspace, TwoRSpace, DualQuaternion of shape (..., 4), or array_like of shape (..., 4, 8)
         Four points that span the 3-space; floats or exact.
     rtol : float
         What counts as zero for floats.
+    degenerate : {"raise", "nan"}
+        What to do about rows of a batch that are no 2R spaces.
 
     Raises
     ------
@@ -341,28 +357,62 @@ def recognise(basis, *, rtol: float = RTOL) -> Dyad:
     kinlib.errors.DegenerateError: the space lies in the Study quadric: the axes would be coplanar
     """
     points = DualQuaternion(coordinates_of(basis.points if isinstance(basis, TwoRSpace) else _rows(basis)))
-    if points.components.dtype.kind == "f" and not np.all(np.isfinite(points.components)):
+    check_degenerate(degenerate)
+    if len(points.shape) != 1 and points.shape[-1:] != (4,):
+        raise ValueError(f"expected four points that span a 3-space, shape (..., 4, 8), got {points.coeffs.shape}")
+    if points.components.dtype.kind == "c":
+        raise ValueError("expected a real 3-space, got complex points")
+    if len(points.shape) == 1:
+        return _of_one_space(points, rtol)
+    return _of_many_spaces(points, rtol, degenerate)
+
+
+def _of_many_spaces(points: DualQuaternion, rtol: float, degenerate: str) -> Dyad:
+    """The dyads of a batch of 3-spaces, one after the other."""
+    rows, found, lost = points.coeffs.reshape(-1, 4, 8), [], {}
+    for n, row in enumerate(rows):
+        try:
+            dyad = _of_one_space(DualQuaternion(row), rtol)
+            found.append((dyad.h1.coeffs, dyad.h2.coeffs))
+        except ValueError as error:
+            lost[n] = str(error)
+            found.append((np.full(8, np.nan),) * 2)
+    if lost and degenerate == "raise":
+        said = "; ".join(dict.fromkeys(lost.values()))
+        raise DegenerateError(f"{named_rows(list(lost))}{said}", rows=tuple(lost))
+    h1, h2 = (np.array(turns).reshape(*points.shape[:-1], 8) for turns in zip(*found, strict=True))
+    return Dyad(DualQuaternion(h1), DualQuaternion(h2))
+
+
+def _of_one_space(points: DualQuaternion, rtol: float) -> Dyad:
+    """The dyad of one 3-space; in floats seen about the middle of the points, in units of their length."""
+    if is_exact(points.components):
+        return _recognised(_three_space(points, rtol), rtol)
+    if not np.all(np.isfinite(points.components)):
         raise ValueError("expected finite coefficients, got NaN or infinity")
-    length = 1 if is_exact(points.components) else size(points.coeffs[..., 4:]) / size(points.coeffs[..., :4]) or 1
-    dyad = _recognised(_three_space(_stretched(points, divide(1, length)), rtol), rtol)
-    return dyad if length == 1 else Dyad(_stretched(dyad.h1, length), _stretched(dyad.h2, length))
+    if not np.any(points.components[:4]):
+        raise DegenerateError("the space is the exceptional three-space: no displacement belongs to its points")
+    rows = points / np.maximum(primal_size(points), dual_size(points) * 1e-6)
+    middle, before = middle_of(rows), np.max(dual_size(rows))
+    rows = moved_origin(rows, middle)
+    length = float(np.max(dual_size(rows))) or 1.0
+    rtol = max(rtol, 1e-13 * before / length)  # what the distance from the origin has cost
+    dyad = _recognised(_three_space(stretched(rows, 1 / length), rtol), rtol)
+    return Dyad(*(moved_origin(stretched(h, length), -middle) for h in (dyad.h1, dyad.h2)))
 
 
 def _rows(basis):
     return basis.basis if isinstance(basis, Subspace) else basis
 
 
-def _stretched(q: DualQuaternion, factor) -> DualQuaternion:
-    """All lengths multiplied by a factor."""
-    return DualQuaternion.from_components(q.components * np.reshape([1] * 4 + [factor] * 4, (8,) + (1,) * len(q.shape)))
-
-
 def _recognised(space: Subspace, rtol: float) -> Dyad:
     null, study = NULL_CONE.restrict(space), STUDY_QUADRIC.restrict(space)
-    if study.rank(rtol=rtol) == 0:
+    if np.all(is_zero(study.matrix, 1.0, rtol)):
         raise DegenerateError("the space lies in the Study quadric: the axes would be coplanar")
     if null.rank(rtol=rtol) < 4:
-        raise DegenerateError("the space meets the exceptional three-space: one of the joints would be prismatic")
+        raise DegenerateError(
+            "the space meets the exceptional three-space: one of the joints would be prismatic, or the axes parallel"
+        )
     _check_regular(study, rtol)
     _check_null_quadrilateral(null, study, rtol)
     first, second = _rotations(space)
