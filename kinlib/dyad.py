@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from numbers import Rational
 from typing import NamedTuple
 
 import numpy as np
@@ -143,25 +142,35 @@ class Dyad:
         >>> dyad.parameters(1 + k)
         Traceback (most recent call last):
         ...
-        kinlib.errors.DegenerateError: the dyad does not reach the pose: it passes by at 2 (half-angles, own lengths)
+        kinlib.errors.DegenerateError: the dyad does not reach the pose: it passes by at 1 (half-angles, own lengths)
         """
         q = as_pose(pose) * self.home.inverse()
-        turns = homogeneous_parameters(primal_coordinates(q, self.h1, self.h2))
-        off = self._gap(reached(self.h1, self.h2, turns), q)
+        seen, h1, h2 = self._seen(q)
+        turns = homogeneous_parameters(seen, h1, h2)
+        off = self._gap(reached(h1, h2, turns), seen)
         bad = self._unreached(off, rtol, degenerate)
         t1, t2 = (_parameter(numerator, denominator) for numerator, denominator in turns)
         return (np.where(bad, np.nan, t1), np.where(bad, np.nan, t2)) if np.any(bad) else (t1, t2)
 
-    def _gap(self, found: DualQuaternion, wanted: DualQuaternion) -> np.ndarray:
-        """How far two displacements are apart about the middle of the axes, in units of the dyad's size."""
-        if is_exact(found.components) and is_exact(wanted.components):
-            apart = gap(found, wanted)
-            return np.where(apart == 0, 0.0, np.maximum(self._gap(_floats(found), _floats(wanted)), 2 * RTOL))
-        found, wanted, h1, h2 = (_floats(q) for q in (found, wanted, self.h1, self.h2))
-        middle = middle_of([h1, h2])
-        found, wanted, h1, h2 = (moved_origin(unit(q), middle) for q in (found, wanted, h1, h2))
-        length = np.maximum.reduce(np.broadcast_arrays(*(dual_size(q) for q in (wanted, h1, h2))))
-        return gap(*(stretched(q, 1 / np.where(length > 0, length, 1)) for q in (found, wanted)))
+    def _seen(self, q: DualQuaternion) -> list[DualQuaternion]:
+        """A displacement and both half-turns; in floats about the middle of the axes, in units of their size."""
+        given = [q, self.h1, self.h2]
+        if all(is_exact(x.components) for x in given):
+            return given
+        given = [_floats(x) for x in given]
+        middle = middle_of(given[1:])
+        q, *turns = (moved_origin(x, middle) for x in given)
+        q = unit(q)
+        length = np.maximum.reduce(np.broadcast_arrays(*(dual_size(x) for x in (q, *turns))))
+        return [stretched(x, 1 / np.where(length > 0, length, 1)) for x in (q, *turns)]
+
+    @staticmethod
+    def _gap(found: DualQuaternion, wanted: DualQuaternion) -> np.ndarray:
+        """How far two displacements are apart; for exact ones 0 only if they agree."""
+        apart = gap(found, wanted)
+        if not is_exact(found.components) or np.all(apart == 0):
+            return apart
+        return np.where(apart == 0, 0.0, np.maximum(gap(_floats(found), unit(_floats(wanted))), 2 * RTOL))
 
     @staticmethod
     def _unreached(off: np.ndarray, rtol: float, degenerate: str) -> np.ndarray:
@@ -194,24 +203,26 @@ def _floats(q: DualQuaternion) -> DualQuaternion:
     return DualQuaternion(as_float(q.coeffs))
 
 
-def homogeneous_parameters(x: tuple) -> tuple[tuple, tuple]:
-    """The parameters t1 = a1/b1, t2 = a2/b2 of the pose with primal coordinates t1 t2, −t2, −t1, 1, as pairs (a, b).
+def homogeneous_parameters(q: DualQuaternion, h1: DualQuaternion, h2: DualQuaternion) -> tuple[tuple, tuple]:
+    """The parameters t1 = a1/b1, t2 = a2/b2 of the pose q of a dyad, as pairs (a, b).
 
-    Each is found twice, from −x2/x3 and −x0/x1, or from −x1/x3 and −x0/x2; the larger numbers are taken.
+    (t1 + h1) q is a multiple of t2 − h2, and q (t2 + h2) one of t1 − h1.  So modulo 1 and h2 the points q and h1 q are
+    multiples of each other, and so are q and q h2 modulo 1 and h1.
     """
-    x0, x1, x2, x3 = np.broadcast_arrays(*x)
-    return _larger((x2, -x3), (x0, -x1)), _larger((x1, -x3), (x0, -x2))
+    return _parameter_pair(_modulo(q, h2), _modulo(h1 * q, h2)), _parameter_pair(_modulo(q, h1), _modulo(q * h2, h1))
 
 
-def _larger(first: tuple, second: tuple) -> tuple:
-    sizes = [np.abs(as_float(a)) + np.abs(as_float(b)) for a, b in (first, second)] if _are_numbers(*first) else None
-    use = np.all([is_zero(x, rtol=0) for x in first], axis=0) if sizes is None else sizes[0] < sizes[1]
-    return tuple(np.where(use, x, y)[()] for x, y in zip(second, first, strict=True))
+def _modulo(q: DualQuaternion, h: DualQuaternion) -> np.ndarray:
+    """The coefficients but the first, without their component along those of h."""
+    x, axis = np.broadcast_arrays(q.components[1:], h.components[1:])
+    return x - axis * divide((x * axis).sum(axis=0), (axis * axis).sum(axis=0))
 
 
-def _are_numbers(*values) -> bool:
-    """Whether there are no symbols among exact numbers."""
-    return all(np.asarray(x).dtype.kind != "O" or all(isinstance(y, Rational) for y in np.ravel(x)) for x in values)
+def _parameter_pair(x: np.ndarray, y: np.ndarray) -> tuple:
+    """The (a, b) with a x + b y = 0, from the larger of the two."""
+    xx, xy, yy = (x * x).sum(axis=0), (x * y).sum(axis=0), (y * y).sum(axis=0)
+    use = ~np.asarray(is_zero(xx, rtol=0)) if is_exact(x) else xx >= yy
+    return np.where(use, -xy, -yy)[()], np.where(use, xx, xy)[()]
 
 
 def reached(h1: DualQuaternion, h2: DualQuaternion, turns) -> DualQuaternion:

@@ -220,11 +220,19 @@ def seen_together(*given, degenerate: str = "raise", rtol: float = RTOL) -> Pose
 
 
 def _on_quadric(q: DualQuaternion) -> DualQuaternion:
-    """The dual scalar part computed anew from the others, where it is not the least of them."""
-    p0, p1, p2, p3, d0, d1, d2, d3 = q.components
-    near = 2 * p0 * p0 > p0 * p0 + p1 * p1 + p2 * p2 + p3 * p3
-    small = -(p1 * d1 + p2 * d2 + p3 * d3) / np.where(near, p0, 1)
-    return DualQuaternion.from_components(np.stack([p0, p1, p2, p3, np.where(near, small, d0), d1, d2, d3]))
+    """The pose that is meant, from a dual part with some noise: p0 d0 + p1 d1 + p2 d2 + p3 d3 becomes 0.
+
+    Near the identity d0 is made anew from the others, since it is much smaller than they are; else d loses its
+    component along p.
+    """
+    p, d = q.components[:4], q.components[4:]
+    square = p * p
+    near = 2 * square[0] > square.sum(axis=0)
+    along = (p * d).sum(axis=0)
+    shift = np.where(near, 0, along / square.sum(axis=0))
+    components = np.concatenate([p, d - p * shift])
+    components[4] = np.where(near, -(p[1:] * d[1:]).sum(axis=0) / np.where(near, p[0], 1), components[4])
+    return DualQuaternion.from_components(components)
 
 
 def moved_origin(q: DualQuaternion, origin: np.ndarray) -> DualQuaternion:

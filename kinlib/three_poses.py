@@ -59,6 +59,9 @@ TANGENTS = (PoseFault.TANGENT_01, PoseFault.TANGENT_02, PoseFault.TANGENT_12)
 APART = 1e-12
 """How near a plane may come to the exceptional space before rounding decides what is found."""
 
+SHIFT = 1e-10
+"""How far apart two poses of one orientation may be, in the unit of the problem, and still count as equal."""
+
 MET = 2e-10
 """How far a pose may be missed, in half-angles and in the unit of the problem; more is refused."""
 
@@ -150,7 +153,7 @@ def faults_of_poses(problem: PoseProblem) -> np.ndarray:
         (_not_finite(problem), PoseFault.INVALID),
         *zip(same, EQUAL, strict=True),
         *zip(still, SLIDE, strict=True),
-        (_apart(*problem.others) <= (0 if problem.is_exact else APART), PoseFault.PARALLEL),
+        (_sine(problem) <= (0 if problem.is_exact else APART), PoseFault.PARALLEL),
         (np.all(_are_rotations(problem), axis=0), PoseFault.INSIDE),
     )
 
@@ -183,7 +186,7 @@ def _is_still(step: DualQuaternion) -> np.ndarray:
 
 def _is_near(step: DualQuaternion, problem: PoseProblem) -> np.ndarray:
     """Whether a step that does not turn does not shift either."""
-    return np.all(is_zero(step.components[4:], 1.0, APART + problem.noise), axis=0)
+    return np.all(is_zero(step.components[4:], 1.0, SHIFT + problem.noise), axis=0)
 
 
 def _apart(q1: DualQuaternion, q2: DualQuaternion) -> np.ndarray:
@@ -196,6 +199,13 @@ def _apart(q1: DualQuaternion, q2: DualQuaternion) -> np.ndarray:
     return np.sqrt((cross * cross).sum(axis=0)) / np.where(longest > 0, longest, 1)
 
 
+def _sine(problem: PoseProblem) -> np.ndarray:
+    """The sine of the angle between the axes of the turns from the first pose."""
+    turns = [_largest(step.components[1:4]) for step in problem.steps[:2]]
+    with np.errstate(invalid="ignore", divide="ignore"):
+        return np.nan_to_num(_apart(*problem.others) / np.minimum(*turns), nan=1.0)
+
+
 def _nearest(problem: PoseProblem) -> tuple[np.ndarray, np.ndarray]:
     """The fault that each row is nearest to, and how near, relative to the size of what vanishes there."""
     turns, shifts = ([_largest(step.components[part]) for step in problem.steps] for part in (slice(1, 4), slice(4, 8)))
@@ -203,7 +213,7 @@ def _nearest(problem: PoseProblem) -> tuple[np.ndarray, np.ndarray]:
     measured = [
         *zip([np.maximum(*sizes) for sizes in zip(turns, shifts, strict=True)], EQUAL, strict=True),
         *zip([turn / (turn + shift) for turn, shift in zip(turns, shifts, strict=True)], SLIDE, strict=True),
-        (_apart(*problem.others) / np.minimum(*turns[:2]), PoseFault.PARALLEL),
+        (_sine(problem), PoseFault.PARALLEL),
         *zip([b / (turn * shift) for b, turn, shift in zip(forms, turns, shifts, strict=True)], TANGENTS, strict=True),
     ]
     sizes = np.array([np.broadcast_to(np.nan_to_num(size, nan=np.inf), problem.home.shape) for size, _ in measured])
@@ -262,7 +272,7 @@ def two_dyads(problem: PoseProblem, degenerate: str, method: str | None = None, 
     if not tangent or method != "eigenvalues":
         faults = np.where(faults, faults, tangents)
     if not problem.is_exact:
-        return _float_dyads(_replaced(problem, faults > 0), faults, method, degenerate)
+        return _float_dyads(_replaced(problem, faults > 0), faults, method, degenerate, tangent)
     report_faults(faults, PoseFault, degenerate)
     return _exact_dyads(problem)
 
@@ -282,7 +292,7 @@ def _exact_dyads(problem: PoseProblem) -> TwoDyads:
 BOTH_ORDERS = ((0, 1), (1, 0))
 
 
-def _float_dyads(problem: PoseProblem, faults, method: str, degenerate: str) -> TwoDyads:
+def _float_dyads(problem: PoseProblem, faults, method: str, degenerate: str, tangent: bool) -> TwoDyads:
     """By one of the routes, and by all that repairs what rounding does to it; faulty rows hold a regular problem."""
     with np.errstate(all="ignore"):
         plane = _spectrum(*problem.others)
@@ -293,7 +303,7 @@ def _float_dyads(problem: PoseProblem, faults, method: str, degenerate: str) -> 
         no_conic = ~(missed <= MET)
         h1, h2 = (_chosen(no_conic, h, _half_turn(k)) for h, k in ((h1, k1), (h2, k2)))
         double = _has_double_roots(problem, plane) & (no_conic | _same_quadratics(k1, k2))
-        off = np.where(no_conic, _missed_by(problem, h1, h2), missed) if no_conic.any() else missed
+        off = np.where(no_conic, _missed_by(problem, h1, h2), missed) if tangent and no_conic.any() else missed
     faults = np.where(faults, faults, double * PoseFault.DOUBLE)
     only = (
         _only_dyad(problem, plane)
@@ -453,7 +463,7 @@ def _missed(others, start, k1: DualQuaternion, k2: DualQuaternion) -> np.ndarray
 def _missed_by(problem: PoseProblem, h1: DualQuaternion, h2: DualQuaternion) -> np.ndarray:
     """How far both dyads together are from the poses, whatever their parameters there."""
     seen = [q[..., None] for q in problem.others]
-    turns = [homogeneous_parameters(primal_coordinates(q, h1, h2)) for q in seen]
+    turns = [homogeneous_parameters(q, h1, h2) for q in seen]
     off = [gap(reached(h1, h2, turn), q) for turn, q in zip(turns, seen, strict=True)]
     return np.maximum(*off).max(axis=-1)
 
