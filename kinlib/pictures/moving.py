@@ -10,35 +10,17 @@ from kinlib.displacement import act
 from kinlib.dual_quaternion import DualQuaternion, one
 from kinlib.dyad import Dyad
 from kinlib.linkage import Linkage
-from kinlib.pace import one_turn, parameters_of
-from kinlib.parts import Ball, Curve, Frame, Label, Rod, Surface
-from kinlib.player import Scene, SceneGrid, static_files
+from kinlib.pictures.bars import Bars, common_feet, lines_of
+from kinlib.pictures.colours import BASE, COUPLER, LINKS, link_colours, link_names
+from kinlib.pictures.floats import floats, one_linkage
+from kinlib.pictures.linkage_parts import body_of, coupler_parts, holder, joint, link_parts, linkage_parts, pin
+from kinlib.pictures.parts import Curve, Frame, Label, Rod, Surface
+from kinlib.pictures.scene import Scene, SceneGrid
+from kinlib.pictures.turn import one_turn, parameters_of
 from kinlib.poses import as_pose
 from kinlib.scalar import as_float
-from kinlib.skeleton import (
-    BASE,
-    COUPLER,
-    LINKS,
-    Piece,
-    common_feet,
-    coupler_pieces,
-    extent,
-    floats,
-    holder,
-    in_floats,
-    joint,
-    lines_of,
-    link_colours,
-    link_names,
-    link_pieces,
-    linkage_pieces,
-    pin,
-)
 
-__all__ = [
-    "Ball", "Curve", "Frame", "Label", "Rod", "Scene", "SceneGrid", "Surface",
-    "dyad_scene", "linkage_scene", "linkages_side_by_side", "static_files",
-]  # fmt: skip
+__all__ = ["dyad_scene", "linkage_scene", "linkages_side_by_side"]
 
 
 def linkage_scene(
@@ -87,38 +69,29 @@ def linkage_scene(
     ValueError
         If the coupler does not visit one of the poses.
     """
-    linkage = in_floats(linkage)
-    stops = parameters_of(linkage, poses) if parameters is None else parameters
-    t, places = one_turn(linkage, frames, stops, places)
+    bars = Bars.of(linkage)
+    linkage = bars.linkage
+    stops = parameters_of(bars, poses) if parameters is None else parameters
+    t, places = one_turn(bars, frames, stops, places)
     path = as_float(act(linkage.coupler_motion(t), point))
-    unit = max(extent(linkage), np.ptp(path, axis=0).max() / 2)
+    unit = max(bars.size, np.ptp(path, axis=0).max() / 2)
     start = as_float(act(linkage.home, point))
     moves = linkage.link_displacements(t)
-    bodies = ["", *(f"link {n}" for n in range(1, len(linkage)))]
     return Scene(
         parts=[
-            *_rods(linkage_pieces(linkage, unit) + coupler_pieces(linkage, start, unit), bodies),
-            Frame(linkage.home, 0.24 * unit, body=bodies[linkage.coupler]),
+            *linkage_parts(bars, unit),
+            *coupler_parts(bars, start, unit),
+            Frame(linkage.home, 0.24 * unit, body=body_of(linkage.coupler)),
             Curve(path, COUPLER, 0.012 * unit, closed=True),
             *_reached(poses, places, unit, names),
         ],
-        motions={name: moves[:, n] for n, name in enumerate(bodies) if name},
+        motions={body_of(n): moves[:, n] for n in range(1, len(linkage.joints))},
         captions=[f"t = {_short(x)}" for x in t],
         legend=[*zip(link_names(linkage), link_colours(linkage), strict=True)],
         alt=alt,
         slider="Position along one turn",
         **options,
     )
-
-
-def _rods(pieces, names) -> list[Rod | Ball]:
-    """Pieces as parts of a scene; the names are those of the bodies that carry the links."""
-    return [
-        Rod(start, end, colour, radius, names[link])
-        if np.any(start != end)
-        else Ball(start, colour, radius, names[link])
-        for start, end, radius, colour, link in pieces
-    ]
 
 
 def _subscript(number: int) -> str:
@@ -165,6 +138,7 @@ def linkages_side_by_side(
     -------
     SceneGrid
     """
+    linkages = [one_linkage(linkage, f"linkage {n} of those given") for n, linkage in enumerate(linkages, start=1)]
     places = [frames * n // len(poses) for n in range(len(poses))]
     scenes = [linkage_scene(linkage, poses, alt=alt, places=places, frames=frames) for linkage in linkages]
     return SceneGrid(
@@ -279,14 +253,15 @@ def _arm(points: np.ndarray, directions: np.ndarray, home: DualQuaternion, point
     """A post on the first axis, the link to the second, and the hand with its frame and its point."""
     feet = common_feet(points, directions)
     (post, near), (far, hand) = [joint(directions[n], feet[n], feet[n], unit) for n in (0, 1)]
-    pieces = [
-        Piece(post[0] - 0.5 * unit * directions[0], post[0], 0.042 * unit, BASE, 0),
-        Piece(*post[1], 0.065 * unit, BASE, 0),
-        *link_pieces(near, far, LINKS[0], 1, unit),
-        Piece(*hand[1], 0.065 * unit, COUPLER, 2),
-        *holder((hand[0], as_float(act(home, [0, 0, 0])), point), 2, unit),
-        pin(post[1], near[1], 0, unit),
-        pin(far[1], hand[1], 1, unit),
+    return [
+        Rod(post.foot - 0.5 * unit * directions[0], post.foot, BASE, 0.042 * unit),
+        Rod(*post.sleeve, BASE, 0.065 * unit),
+        *link_parts(near, far, LINKS[0], "link", unit),
+        Rod(*hand.sleeve, COUPLER, 0.065 * unit, "hand"),
+        *holder((hand.foot, as_float(act(home, [0, 0, 0])), point), "hand", unit),
+        pin(post, near, "", unit),
+        pin(far, hand, "link", unit),
+        Frame(home, 0.24 * unit, body="hand"),
+        Label("h₁", feet[0]),
+        Label("h₂", feet[1], "link"),
     ]
-    frame, labels = Frame(home, 0.24 * unit, body="hand"), [Label("h₁", feet[0]), Label("h₂", feet[1], "link")]
-    return [*_rods(pieces, ["", "link", "hand"]), frame, *labels]
