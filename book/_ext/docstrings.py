@@ -1,23 +1,49 @@
-"""A Sphinx extension: the docstrings of kinlib, written to be read in a console, also make pages."""
+"""A Sphinx extension: the docstrings of kinlib, written to be read in a console, also make pages.
 
+Each public name stands on its page under the door from which it is imported, wherever it is defined.
+"""
+
+import pkgutil
 import re
+from importlib import import_module
+
+from sphinx.pycode import ModuleAnalyzer
 
 import kinlib
 
-PUBLIC = re.compile(r"(:\w+:`~?)kinlib\.(\w+)`")
+DOORS = ("kinlib", "kinlib.pictures", "kinlib.gallery", "kinlib.testing")
+FILE = re.compile(r"kinlib\.(?:pictures\.)?[a-z_]+\.")
 TYPE = re.compile(r"~(?:\w+\.)*(\w+)")
 
 
-def where_it_is_defined(match: re.Match) -> str:
-    """A reference to a public name of kinlib, as one to the module that has it."""
-    role, name = match.groups()
-    owner = getattr(getattr(kinlib, name, None), "__module__", "kinlib")
-    return f"{role}{owner}.{name}`"
-
-
 def prepare(app, what, name, obj, options, lines) -> None:
-    """Let bars mean absolute values and not substitutions, and references find their module."""
-    lines[:] = [PUBLIC.sub(where_it_is_defined, line.replace("|", r"\|")) for line in lines]
+    """Let bars mean absolute values and not substitutions, and data have the words below it."""
+    if what == "data":
+        lines[:] = words_below(name.rpartition(".")[2]) or lines
+    lines[:] = [line.replace("|", r"\|") for line in lines]
+
+
+def words_below(name: str) -> list[str]:
+    """The docstring that stands in a file of kinlib below a value of this name."""
+    for file in pkgutil.walk_packages(kinlib.__path__, "kinlib."):
+        analyzer = ModuleAnalyzer.for_module(file.name)
+        analyzer.analyze()
+        if name in getattr(import_module(file.name), "__all__", ()) and ("", name) in analyzer.attr_docs:
+            return analyzer.attr_docs["", name]
+    return []
+
+
+def from_its_door(app, env, node, content):
+    """A reference to where a name is defined, as one to where it is imported from."""
+    target = node.get("reftarget", "")
+    if node.get("refdomain") != "py" or not FILE.match(target):
+        return None
+    name, python = FILE.sub("", target, count=1), env.get_domain("py")
+    found = (
+        python.resolve_xref(env, node["refdoc"], app.builder, node["reftype"], f"{door}.{name}", node, content)
+        for door in DOORS
+    )
+    return next((reference for reference in found if reference is not None), None)
 
 
 def shorten(app, what, name, obj, options, signature, returned) -> tuple[str, str] | None:
@@ -34,4 +60,5 @@ def setup(app):
     app.connect("autodoc-process-docstring", prepare)
     app.connect("autodoc-process-signature", shorten)
     app.connect("autodoc-skip-member", skip)
+    app.connect("missing-reference", from_its_door)
     return {"version": "1", "parallel_read_safe": True, "parallel_write_safe": True}

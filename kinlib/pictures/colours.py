@@ -9,10 +9,21 @@ __all__ = [
 ]  # fmt: skip
 
 # Okabe & Ito's colours: told apart by colour-blind readers, and seen on white as on black.
-BASE, COUPLER = "#808080", "#d55e00"
+BASE = "#808080"
+"""The grey of the base."""
+
+COUPLER = "#d55e00"
+"""The vermilion of the coupler, its path and its hand."""
+
 LINKS = ("#0072b2", "#e69f00", "#009e73", "#cc79a7", "#56b4e9")
+"""The colours of the other links in their order: blue, orange, green, purple, sky blue."""
+
 PIN = "#aab2bd"
+"""The light grey of pins."""
+
 X_AXIS, Y_AXIS, Z_AXIS = "#e5484d", "#3aa655", "#4a72f5"
+"""Red, green and blue for the axes of a frame."""
+
 GLOW = "#ffc531"
 """The light about a pose that is reached."""
 
