@@ -9,14 +9,16 @@ try:
 
     from kinlib.pictures.canvas import plane_axes, space_axes
     from kinlib.pictures.colours import (
-        BASE,
-        COUPLER,
+        BLUE,
+        GREEN,
+        GREY,
         INK,
-        LINKS,
-        PIN,
-        X_AXIS,
-        Y_AXIS,
-        Z_AXIS,
+        ORANGE,
+        PURPLE,
+        SILVER,
+        SKY,
+        VERMILION,
+        YELLOW,
         link_colours,
         link_names,
     )
@@ -44,14 +46,16 @@ except ModuleNotFoundError as error:
     raise ImportError(f'kinlib.pictures needs {missing}: pip install "kinlib[pictures]"') from error
 
 __all__ = [
-    "BASE",
-    "COUPLER",
+    "BLUE",
+    "GREEN",
+    "GREY",
     "INK",
-    "LINKS",
-    "PIN",
-    "X_AXIS",
-    "Y_AXIS",
-    "Z_AXIS",
+    "ORANGE",
+    "PURPLE",
+    "SILVER",
+    "SKY",
+    "VERMILION",
+    "YELLOW",
     "Ball",
     "Curve",
     "Frame",

@@ -5,30 +5,45 @@ from __future__ import annotations
 from kinlib.linkage import Linkage
 
 __all__ = [
-    "BASE", "COUPLER", "GLOW", "INK", "LINKS", "PIN", "X_AXIS", "Y_AXIS", "Z_AXIS", "link_colours", "link_names",
+    "BASE", "BLUE", "COUPLER", "GLOW", "GREEN", "GREY", "INK", "LINKS", "ORANGE", "PIN", "PURPLE", "SILVER", "SKY",
+    "VERMILION", "X_AXIS", "YELLOW", "Y_AXIS", "Z_AXIS", "link_colours", "link_names",
 ]  # fmt: skip
 
 # Okabe & Ito's colours: told apart by colour-blind readers, and seen on white as on black.
-BASE = "#808080"
-"""The grey of the base."""
+BLUE = "#0072b2"
+"""The colour of link 1, if that is not the coupler."""
 
-COUPLER = "#d55e00"
-"""The vermilion of the coupler, its path and its hand."""
+ORANGE = "#e69f00"
+"""The colour of the next link."""
 
-LINKS = ("#0072b2", "#e69f00", "#009e73", "#cc79a7", "#56b4e9")
-"""The colours of the other links in their order: blue, orange, green, purple, sky blue."""
+GREEN = "#009e73"
+"""The colour of the link after that."""
 
-PIN = "#aab2bd"
-"""The light grey of pins."""
+PURPLE = "#cc79a7"
+"""The fourth colour of links."""
 
-X_AXIS, Y_AXIS, Z_AXIS = "#e5484d", "#3aa655", "#4a72f5"
-"""Red, green and blue for the axes of a frame."""
+SKY = "#56b4e9"
+"""The fifth colour of links, a light blue."""
 
-GLOW = "#ffc531"
-"""The light about a pose that is reached."""
+VERMILION = "#d55e00"
+"""The colour of the coupler, of its path, and of a dyad's hand."""
+
+YELLOW = "#f0e442"
+"""A colour for areas: too light for letters and lines on white."""
+
+GREY = "#808080"
+"""The colour of the base."""
+
+SILVER = "#aab2bd"
+"""The light grey of pins, and of what has no colour of its own."""
 
 INK = "#7a7a7a"
 """The grey of letters and lines, seen on light pages and on dark ones."""
+
+BASE, COUPLER, PIN = GREY, VERMILION, SILVER
+LINKS = (BLUE, ORANGE, GREEN, PURPLE, SKY)
+X_AXIS, Y_AXIS, Z_AXIS = "#e5484d", "#3aa655", "#4a72f5"
+GLOW = "#ffc531"  # the light about a pose that is reached
 
 
 def link_colours(linkage: Linkage) -> tuple[str, ...]:
