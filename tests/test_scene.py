@@ -263,6 +263,9 @@ def test_what_is_not_one_linkage_is_named(linkages):
         linkage_scene(batch[1], alt=ALT)
     with pytest.raises(ValueError, match="linkage 2 of those given is not a linkage"):
         linkages_side_by_side([linkages[0], batch[1]], alt=ALT)
+    h1, h2 = kl.DualQuaternion.stack([kl.i, kl.j]), kl.DualQuaternion.stack([kl.j - kl.eps * kl.i, kl.k])
+    with pytest.raises(ValueError, match=r"the dyad is a batch of shape \(2,\)"):
+        dyad_scene(kl.Dyad(h1, h2), alt=ALT)
 
 
 def test_the_pace_is_even_and_stops_where_it_must(linkages):

@@ -7,11 +7,13 @@ import pkgutil
 import re
 from importlib import import_module
 
+from docutils import nodes
 from sphinx.pycode import ModuleAnalyzer
 
 import kinlib
+from kinlib import typing
 
-DOORS = ("kinlib", "kinlib.pictures", "kinlib.gallery", "kinlib.testing")
+DOORS = ("kinlib", "kinlib.pictures", "kinlib.gallery", "kinlib.testing", "kinlib.typing")
 FILE = re.compile(r"kinlib\.(?:pictures\.)?[a-z_]+\.")
 TYPE = re.compile(r"~(?:\w+\.)*(\w+)")
 
@@ -40,10 +42,22 @@ def from_its_door(app, env, node, content):
         return None
     name, python = FILE.sub("", target, count=1), env.get_domain("py")
     found = (
-        python.resolve_xref(env, node["refdoc"], app.builder, node["reftype"], f"{door}.{name}", node, content)
+        python.resolve_xref(env, node["refdoc"], app.builder, "obj", f"{door}.{name}", node, content)
         for door in DOORS
     )
     return next((reference for reference in found if reference is not None), None)
+
+
+def keep_names(app, config) -> None:
+    """Show the kinds of arguments by their names, not by the types that they stand for."""
+    config.autodoc_type_aliases = {name: f"kinlib.typing.{name}" for name in typing.__all__}
+
+
+def drop_aliases(app, doctree) -> None:
+    """Take away what Sphinx adds to the words about a kind of arguments: the long type that it stands for."""
+    for paragraph in list(doctree.findall(nodes.paragraph)):
+        if paragraph.astext().startswith("alias of "):
+            paragraph.parent.remove(paragraph)
 
 
 def shorten(app, what, name, obj, options, signature, returned) -> tuple[str, str] | None:
@@ -57,8 +71,10 @@ def skip(app, what, name, obj, skipped, options) -> bool | None:
 
 
 def setup(app):
+    app.connect("config-inited", keep_names)
     app.connect("autodoc-process-docstring", prepare)
     app.connect("autodoc-process-signature", shorten)
     app.connect("autodoc-skip-member", skip)
+    app.connect("doctree-read", drop_aliases)
     app.connect("missing-reference", from_its_door)
     return {"version": "1", "parallel_read_safe": True, "parallel_write_safe": True}

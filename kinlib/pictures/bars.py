@@ -12,6 +12,7 @@ from kinlib.dual_quaternion import DualQuaternion
 from kinlib.linkage import Linkage
 from kinlib.pictures.floats import one_linkage
 from kinlib.scalar import as_float
+from kinlib.typing import ArrayLike
 
 __all__ = ["Bars", "common_feet", "lines_of"]
 
@@ -65,7 +66,7 @@ class Bars:
         """The radius of the box about all bars at home, from which thicknesses are chosen; 1 if it is a point."""
         return float(_radius(self.ends)) or 1.0
 
-    def ends_at(self, t) -> np.ndarray:
+    def ends_at(self, t: ArrayLike) -> np.ndarray:
         """The ends of all links at parameters of shape (k,); shape (k, n, 2, 3)."""
         return as_float(act(self.linkage.link_displacements(t)[..., None], self.ends))
 

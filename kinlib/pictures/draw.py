@@ -11,6 +11,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 from io import BytesIO
 from pathlib import Path
+from typing import Any
 
 import matplotlib.pyplot as plt
 import numpy as np
@@ -23,13 +24,14 @@ from kinlib.line import Line
 from kinlib.linkage import Linkage
 from kinlib.pictures.bars import Bars
 from kinlib.pictures.canvas import equal_units, space_axes
-from kinlib.pictures.colours import COUPLER, INK, X_AXIS, Y_AXIS, Z_AXIS
+from kinlib.pictures.colours import BLUE, COUPLER, INK, ORANGE, X_AXIS, Y_AXIS, Z_AXIS
 from kinlib.pictures.floats import pose_matrices
 from kinlib.pictures.linkage_parts import body_of, coupler_parts, linkage_parts
 from kinlib.pictures.meshes import faces_of, shaded
 from kinlib.pictures.parts import Ball, Rod
 from kinlib.pictures.turn import one_turn, parameters_of
 from kinlib.scalar import as_float
+from kinlib.typing import ArrayLike, PointLike, PoseLike
 
 __all__ = [
     "draw_curve", "draw_frames", "draw_hyperboloid", "draw_line", "draw_linkage", "draw_linkages", "draw_path",
@@ -37,7 +39,9 @@ __all__ = [
 ]  # fmt: skip
 
 
-def draw_linkage(linkage: Linkage, t: float, ax: Axes3D, *, point=(0, 0, 0), opacity: float = 1.0) -> Axes3D:
+def draw_linkage(
+    linkage: Linkage, t: float, ax: Axes3D, *, point: PointLike = (0, 0, 0), opacity: float = 1.0
+) -> Axes3D:
     """Draw a linkage at the parameter t, with the rods that hold a point of its coupler.
 
     Parameters
@@ -54,7 +58,7 @@ def draw_linkage(linkage: Linkage, t: float, ax: Axes3D, *, point=(0, 0, 0), opa
     return _draw_at(Bars.of(linkage), t, ax, point, opacity)
 
 
-def _draw_at(bars: Bars, t: float, ax: Axes3D, point=(0, 0, 0), opacity: float = 1.0) -> Axes3D:
+def _draw_at(bars: Bars, t: float, ax: Axes3D, point: PointLike = (0, 0, 0), opacity: float = 1.0) -> Axes3D:
     """`draw_linkage` for a linkage whose bars are known."""
     linkage, unit = bars.linkage, bars.size
     parts = linkage_parts(bars, unit) + coupler_parts(bars, as_float(act(linkage.home, point)), unit)
@@ -80,7 +84,9 @@ def _draw_parts(parts: Sequence[Rod | Ball], ax: Axes3D, opacity: float) -> Axes
     return equal_units(ax)
 
 
-def draw_frames(poses: Sequence, ax: Axes3D, *, size: float | None = None, names: Sequence[str] = ()) -> Axes3D:
+def draw_frames(
+    poses: Sequence[PoseLike], ax: Axes3D, *, size: float | None = None, names: Sequence[str] = ()
+) -> Axes3D:
     """Draw poses as coordinate frames: x red, y green, z blue.
 
     Parameters
@@ -102,25 +108,25 @@ def draw_frames(poses: Sequence, ax: Axes3D, *, size: float | None = None, names
     return equal_units(ax)
 
 
-def draw_curve(points: np.ndarray, ax: Axes3D, *, colour: str = COUPLER, width: float = 1.6) -> Axes3D:
+def draw_curve(points: PointLike, ax: Axes3D, *, colour: str = COUPLER, width: float = 1.6) -> Axes3D:
     """Draw a curve through points, shape (k, 3)."""
     points = as_float(points)
     ax.plot(*points.T, color=colour, linewidth=width, solid_joinstyle="round")
     return equal_units(ax)
 
 
-def draw_path(linkage: Linkage, ax: Axes3D, *, point=(0, 0, 0), **style) -> Axes3D:
+def draw_path(linkage: Linkage, ax: Axes3D, *, point: PointLike = (0, 0, 0), **style: Any) -> Axes3D:
     """Draw the path of a point of the coupler's frame over one turn; colour and width as in `draw_curve`."""
     return _draw_path(Bars.of(linkage), ax, point, **style)
 
 
-def _draw_path(bars: Bars, ax: Axes3D, point=(0, 0, 0), **style) -> Axes3D:
+def _draw_path(bars: Bars, ax: Axes3D, point: PointLike = (0, 0, 0), **style: Any) -> Axes3D:
     """`draw_path` for a linkage whose bars are known."""
     t, _ = one_turn(bars, 240)
     return draw_curve(act(bars.linkage.coupler_motion(np.append(t, t[0])), point), ax, **style)
 
 
-def draw_line(line: Line, ax: Axes3D, *, centre=(0, 0, 0), length: float = 2.0, **style) -> Axes3D:
+def draw_line(line: Line, ax: Axes3D, *, centre: PointLike = (0, 0, 0), length: float = 2.0, **style: Any) -> Axes3D:
     """Draw the piece of a line that has its middle nearest to a point, shape (3,), and a given length.
 
     Colour and width as in `draw_curve`; grey and thin if not given.
@@ -131,7 +137,7 @@ def draw_line(line: Line, ax: Axes3D, *, centre=(0, 0, 0), length: float = 2.0, 
     return draw_curve(np.array([middle - step, middle + step]), ax, **{"colour": INK, "width": 1.2, **style})
 
 
-def on_hyperboloid(alpha, beta) -> np.ndarray:
+def on_hyperboloid(alpha: ArrayLike, beta: ArrayLike) -> np.ndarray:
     """Where the pose R(cot α, cot β) of a 2R dyad lies on the hyperboloid X² + Y² − Z² = 1, shape (..., 3).
 
     Every dyad with skew axes has the same picture: with the coordinates x of `Dyad.coordinates` these are
@@ -142,11 +148,14 @@ def on_hyperboloid(alpha, beta) -> np.ndarray:
     >>> on_hyperboloid(0, 0)               # the pose 1
     array([0., 1., 0.])
     """
-    X, Y, Z = -np.sin(np.add(alpha, beta)), np.cos(np.add(alpha, beta)), np.sin(np.subtract(beta, alpha))
-    return np.stack([X, Y, Z], axis=-1) / np.cos(np.subtract(alpha, beta))[..., None] + 0.0
+    first, second = as_float(alpha), as_float(beta)
+    X, Y, Z = -np.sin(first + second), np.cos(first + second), np.sin(second - first)
+    return np.stack([X, Y, Z], axis=-1) / np.cos(first - second)[..., None] + 0.0
 
 
-def draw_hyperboloid(ax: Axes3D, *, colours=("#0072b2", "#e69f00"), width: float = 1.0, rulings: int = 24) -> Axes3D:
+def draw_hyperboloid(
+    ax: Axes3D, *, colours: tuple[str, str] = (BLUE, ORANGE), width: float = 1.0, rulings: int = 24
+) -> Axes3D:
     """Draw both families of lines on the hyperboloid of `on_hyperboloid`.
 
     Parameters
@@ -165,7 +174,7 @@ def draw_hyperboloid(ax: Axes3D, *, colours=("#0072b2", "#e69f00"), width: float
     return ax
 
 
-def draw_linkages(linkages: Sequence[Linkage], poses: Sequence, axes: np.ndarray | None = None) -> np.ndarray:
+def draw_linkages(linkages: Sequence[Linkage], poses: Sequence[PoseLike], axes: np.ndarray | None = None) -> np.ndarray:
     """Draw linkages at home next to each other, each with the poses and the path of its coupler's frame.
 
     Parameters
@@ -190,7 +199,7 @@ def draw_linkages(linkages: Sequence[Linkage], poses: Sequence, axes: np.ndarray
     return axes
 
 
-def draw_positions(linkage: Linkage, poses: Sequence, ax: Axes3D) -> Axes3D:
+def draw_positions(linkage: Linkage, poses: Sequence[PoseLike], ax: Axes3D) -> Axes3D:
     """Draw a linkage at all of the poses that it visits, fainter from the last to the first, and its path."""
     bars = Bars.of(linkage)
     _draw_path(bars, ax)
@@ -201,7 +210,13 @@ def draw_positions(linkage: Linkage, poses: Sequence, ax: Axes3D) -> Axes3D:
 
 
 def write_picture(
-    path: str | os.PathLike, linkage: Linkage, poses: Sequence, *, view=(24, -60), size: float = 5.0, dpi: int = 160
+    path: str | os.PathLike,
+    linkage: Linkage,
+    poses: Sequence[PoseLike],
+    *,
+    view: tuple[float, float] = (24, -60),
+    size: float = 5.0,
+    dpi: int = 160,
 ) -> Path:
     """Write a picture of a linkage at all of the poses that it visits, on a clear background.
 

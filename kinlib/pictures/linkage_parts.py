@@ -66,7 +66,7 @@ def link_parts(first: JointEnd, second: JointEnd, colour: str, body: str, unit: 
     parts = _rod(first.foot, second.foot, colour, radius, body)
     for foot, sleeve in (first, second):
         middle = sleeve.mean(axis=0)
-        parts += [Rod(*sleeve, colour, 0.065 * unit, body)]
+        parts += [Rod(sleeve[0], sleeve[1], colour, 0.065 * unit, body)]
         if np.linalg.norm(foot - middle) > radius:
             parts += [Rod(foot, middle, colour, radius, body), Ball(foot, colour, radius, body)]
     return parts
@@ -86,7 +86,7 @@ def pin(before: JointEnd, after: JointEnd, body: str, unit: float) -> Rod:
 def coupler_parts(bars: Bars, point: np.ndarray, unit: float) -> list[Rod | Ball]:
     """Thin rods at home from the coupler's bar to the origin of its frame, and on to a point, shape (3,)."""
     coupler = bars.linkage.coupler
-    start = _nearest(*bars.ends[coupler], bars.origin)
+    start = _nearest(bars.ends[coupler], bars.origin)
     return holder((start, bars.origin, point), body_of(coupler), unit)
 
 
@@ -96,8 +96,8 @@ def holder(stations: Sequence[np.ndarray], body: str, unit: float) -> list[Rod |
     return [*rods, Ball(stations[-1], COUPLER, 0.035 * unit, body)]
 
 
-def _nearest(start: np.ndarray, end: np.ndarray, point: np.ndarray) -> np.ndarray:
-    """The point of a segment that is nearest to a given point."""
-    bar = end - start
+def _nearest(ends: np.ndarray, point: np.ndarray) -> np.ndarray:
+    """The point of a segment that is nearest to a given point; its ends have shape (2, 3)."""
+    start, bar = ends[0], ends[1] - ends[0]
     length = bar @ bar
     return start + (np.clip((point - start) @ bar / length, 0, 1) if length > 0 else 0) * bar

@@ -15,7 +15,11 @@ _SIDES = 14
 
 def faces_of(part: Rod | Ball) -> np.ndarray:
     """The surface of a rod or a ball with a radius, as quadrangles of shape (k, 4, 3)."""
-    return _ball(*part.points(), part.radius) if isinstance(part, Ball) else _tube(*part.points(), part.radius)
+    radius = part.radius or 0.0
+    if isinstance(part, Ball):
+        return _ball(part.points()[0], radius)
+    start, end = part.points()
+    return _tube(start, end, radius)
 
 
 def _tube(start: np.ndarray, end: np.ndarray, radius: float) -> np.ndarray:

@@ -7,10 +7,11 @@ In a book all scenes share one copy of the viewer, in a live Jupyter each brings
 from __future__ import annotations
 
 import html
-import importlib.util
 import json
 import os
 from pathlib import Path
+
+import meshcat
 
 __all__ = ["page_of", "shown", "static_files"]
 
@@ -33,7 +34,7 @@ _LOADER = """
 
 def static_files() -> dict[str, Path]:
     """The files that the scenes of a book share, by their place in the book's ``_static`` folder."""
-    viewer = Path(importlib.util.find_spec("meshcat").origin).parent / "viewer"
+    viewer = Path(meshcat.__file__).parent / "viewer"
     bundle = [viewer / "LICENSE", *sorted((viewer / "dist").glob("main.min.js*"))]
     ours = [Path(__file__).with_name(name) for name in ("viewer.css", "viewer.js")]
     return {f"meshcat/{file.name}": file for file in bundle} | {f"kinlib/{file.name}": file for file in ours}

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass
+from typing import TypeAlias
 
 import numpy as np
 from meshcat.geometry import Cylinder, Sphere
@@ -14,8 +15,9 @@ from meshcat.geometry import Cylinder, Sphere
 from kinlib.pictures.colours import GLOW, PIN
 from kinlib.pictures.floats import pose_matrices
 from kinlib.pictures.shapes import Sheet, Solid, Tube, View, along, scaled, triad
+from kinlib.typing import PointLike, PoseLike
 
-__all__ = ["Ball", "Curve", "Frame", "Label", "Rod", "Surface"]
+__all__ = ["Ball", "Curve", "Frame", "Label", "Part", "Rod", "Surface"]
 
 
 @dataclass(frozen=True)
@@ -25,8 +27,8 @@ class Rod:
     Its radius is 1.2 % of the scene's if it is not given.  The body is the name of the motion that carries it.
     """
 
-    start: np.ndarray
-    end: np.ndarray
+    start: PointLike
+    end: PointLike
     colour: str = PIN
     radius: float | None = None
     body: str = ""
@@ -36,7 +38,7 @@ class Rod:
         return np.array([self.start, self.end], dtype=float)
 
     def solids(self, view: View) -> Iterable[Solid]:
-        matrix = along(*view.place(self.points()), view.length(self.radius, 0.012))
+        matrix = along(view.place(self.start), view.place(self.end), view.length(self.radius, 0.012))
         yield Solid(Cylinder(1, 1), matrix, self.colour, self.opacity)
 
 
@@ -44,7 +46,7 @@ class Rod:
 class Ball:
     """A ball about a point; its radius is 2.5 % of the scene's if it is not given."""
 
-    centre: np.ndarray
+    centre: PointLike
     colour: str = PIN
     radius: float | None = None
     body: str = ""
@@ -62,7 +64,7 @@ class Ball:
 class Curve:
     """A smooth tube through points, shape (k, 3); closed if the last point is followed by the first."""
 
-    path: np.ndarray
+    path: PointLike
     colour: str = PIN
     radius: float | None = None
     closed: bool = False
@@ -81,7 +83,7 @@ class Curve:
 class Surface:
     """A surface through a grid of points, shape (rows, columns, 3)."""
 
-    grid: np.ndarray
+    grid: PointLike
     colour: str = PIN
     body: str = ""
     opacity: float = 0.4
@@ -108,7 +110,7 @@ class Frame:
         The frame of the motion at which it lights up.
     """
 
-    pose: object
+    pose: PoseLike
     size: float | None = None
     name: str = ""
     body: str = ""
@@ -138,7 +140,7 @@ class Label:
     """A few letters next to a point."""
 
     text: str
-    point: np.ndarray
+    point: PointLike
     body: str = ""
 
     def points(self) -> np.ndarray:
@@ -146,3 +148,7 @@ class Label:
 
     def solids(self, view: View) -> Iterable[Solid]:
         return ()
+
+
+Part: TypeAlias = Rod | Ball | Curve | Surface | Frame | Label
+"""What a scene can hold."""

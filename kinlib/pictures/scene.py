@@ -17,6 +17,7 @@ import numpy as np
 from kinlib.displacement import act
 from kinlib.dual_quaternion import DualQuaternion
 from kinlib.pictures.page import page_of, shown
+from kinlib.pictures.parts import Frame, Part
 from kinlib.pictures.recording import DIGITS, record, tidy, track
 from kinlib.pictures.shapes import View
 from kinlib.scalar import as_float
@@ -114,7 +115,7 @@ class Scene(Playable):
     <Scene of 12 frames: A rod turns about one of its ends.>
     """
 
-    parts: Sequence = ()
+    parts: Sequence[Part] = ()
     motions: Mapping[str, DualQuaternion] = field(default_factory=dict)
 
     def __post_init__(self):
@@ -132,7 +133,7 @@ class Scene(Playable):
         """The number of frames; 1 if nothing moves."""
         return next((motion.shape[0] for motion in self.motions.values()), 1)
 
-    def with_parts(self, *parts) -> Scene:
+    def with_parts(self, *parts: Part) -> Scene:
         """The same scene with more parts in it."""
         return replace(self, parts=(*self.parts, *parts))
 
@@ -142,16 +143,15 @@ class Scene(Playable):
     def cell(self, name: str = "", digits: int = DIGITS) -> dict:
         """One view: what is in it, how it moves, where its letters stand and when its frames light up."""
         view, hull = self._bounds()
-        numbered = list(enumerate(self.parts))
         labels = [
             (text, part.body, view.place(part.points()[0]), getattr(part, "lights_at", None))
-            for _, part in numbered
-            if (text := getattr(part, "text", "") or getattr(part, "name", ""))
+            for part in self.parts
+            if (text := _written(part))
         ]
         lights = [
             (f"{part.body or 'fixed'}/{number}", part.lights_at, part.name)
-            for number, part in numbered
-            if getattr(part, "lights_at", None) is not None
+            for number, part in enumerate(self.parts)
+            if isinstance(part, Frame) and part.lights_at is not None
         ]
         return {
             "name": name, "unit": view.radius, "centre": view.centre, "hull": hull,
@@ -168,12 +168,17 @@ class Scene(Playable):
         view = View(centre, radius)
         return view, _outermost(view.place(points))
 
-    def _swept(self, part) -> np.ndarray:
+    def _swept(self, part: Part) -> np.ndarray:
         """The points of a part in all its positions, shape (k, 3)."""
         points = part.points()
         if not part.body:
             return points
         return as_float(act(self.motions[part.body][:, None], points)).reshape(-1, 3)
+
+
+def _written(part: Part) -> str:
+    """What is written next to a part."""
+    return getattr(part, "text", "") or getattr(part, "name", "")
 
 
 @dataclass(frozen=True, repr=False)

@@ -9,6 +9,7 @@ import numpy as np
 from meshcat.geometry import Cylinder, Geometry
 
 from kinlib.pictures.colours import X_AXIS, Y_AXIS, Z_AXIS
+from kinlib.typing import PointLike
 
 __all__ = ["Sheet", "Solid", "Tube", "View", "along", "scaled", "triad"]
 
@@ -20,7 +21,7 @@ class View:
     centre: np.ndarray
     radius: float
 
-    def place(self, points) -> np.ndarray:
+    def place(self, points: PointLike) -> np.ndarray:
         """Points, shape (..., 3), in the units of the recording."""
         return (np.asarray(points, dtype=float) - self.centre) / self.radius
 

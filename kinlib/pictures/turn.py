@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 import numpy as np
 
@@ -11,13 +11,14 @@ from kinlib.linkage import Linkage
 from kinlib.pictures.bars import Bars
 from kinlib.pictures.floats import pose_matrices
 from kinlib.scalar import as_float
+from kinlib.typing import ArrayLike, PoseLike
 
 __all__ = ["one_turn", "parameters_of"]
 
 _STEPS = 720  # places along a turn from which even ones are chosen
 
 
-def parameters_of(bars: Bars, poses: Sequence) -> np.ndarray:
+def parameters_of(bars: Bars, poses: Sequence[PoseLike]) -> np.ndarray:
     """The parameters t at which the coupler reaches the poses.
 
     Parameters
@@ -54,7 +55,7 @@ def _parameter_of(bars: Bars, target: np.ndarray, n: int) -> float:
     return float(known[0] if known else _parameter(root))
 
 
-def _nearest_turn(gap, turns: np.ndarray) -> float:
+def _nearest_turn(gap: Callable, turns: np.ndarray) -> float:
     """Where a gap is least: the best of some turns, then settled where the gap is orthogonal to the motion."""
     best = turns[np.argmin((gap(turns) ** 2).sum(-1))]
     width = 1e-4 * min(best, 2 * np.pi - best) + 1e-9
@@ -62,7 +63,7 @@ def _nearest_turn(gap, turns: np.ndarray) -> float:
     return _secant(lambda turn: gap(turn) @ tangent, best - width, best + width)
 
 
-def _secant(function, a: float, b: float) -> float:
+def _secant(function: Callable, a: float, b: float) -> float:
     """A zero of a function near a and b, as closely as floats tell."""
     at_a, at_b = function(a), function(b)
     for _ in range(30):
@@ -73,12 +74,13 @@ def _secant(function, a: float, b: float) -> float:
     return b
 
 
-def _turn(t):
+def _turn(t: ArrayLike) -> np.ndarray:
     """The turn from 0 to 2π with t = cot(½ turn)."""
+    t = as_float(t)
     return np.where(np.isinf(t), 0, 2 * np.arctan2(1, t))
 
 
-def _parameter(turn) -> np.ndarray:
+def _parameter(turn: ArrayLike) -> np.ndarray:
     """The parameter t = cot(½ turn): a turn of 0 is t = ∞, a turn of 2π is t = −∞."""
     turn = np.asarray(turn, dtype=float)
     sine = np.sin(turn / 2)
@@ -86,7 +88,7 @@ def _parameter(turn) -> np.ndarray:
     return np.where(home, np.inf, np.cos(turn / 2) / np.where(home, 1, sine))
 
 
-def _matrices(linkage: Linkage, turn) -> np.ndarray:
+def _matrices(linkage: Linkage, turn: ArrayLike) -> np.ndarray:
     return as_float(as_matrix(linkage.coupler_motion(_parameter(turn))))
 
 
@@ -108,7 +110,9 @@ def _even_turns(bars: Bars) -> np.ndarray:
     return turns
 
 
-def one_turn(bars: Bars, frames: int, stops=(), places=None) -> tuple[np.ndarray, np.ndarray]:
+def one_turn(
+    bars: Bars, frames: int, stops: ArrayLike = (), places: ArrayLike | None = None
+) -> tuple[np.ndarray, np.ndarray]:
     """Parameters along one turn at which the linkage goes equally far at each step.
 
     Parameters
