@@ -42,8 +42,7 @@ def from_its_door(app, env, node, content):
         return None
     name, python = FILE.sub("", target, count=1), env.get_domain("py")
     found = (
-        python.resolve_xref(env, node["refdoc"], app.builder, "obj", f"{door}.{name}", node, content)
-        for door in DOORS
+        python.resolve_xref(env, node["refdoc"], app.builder, "obj", f"{door}.{name}", node, content) for door in DOORS
     )
     return next((reference for reference in found if reference is not None), None)
 
