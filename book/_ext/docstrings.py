@@ -12,6 +12,7 @@ from sphinx.pycode import ModuleAnalyzer
 
 import kinlib
 from kinlib import typing
+from kinlib.errors import Fault
 
 DOORS = ("kinlib", "kinlib.pictures", "kinlib.gallery", "kinlib.testing", "kinlib.typing")
 FILE = re.compile(r"kinlib\.(?:pictures\.)?[a-z_]+\.")
@@ -19,10 +20,16 @@ TYPE = re.compile(r"~(?:\w+\.)*(\w+)")
 
 
 def prepare(app, what, name, obj, options, lines) -> None:
-    """Let bars mean absolute values and not substitutions, and data have the words below it."""
+    """Let bars mean absolute values and not substitutions; data have the words below them, faults their messages."""
+    if is_fault(obj):
+        lines += [text for fault in obj for text in ("", f":{fault.name}: {fault.message}")]
     if what == "data":
         lines[:] = words_below(name.rpartition(".")[2]) or lines
     lines[:] = [line.replace("|", r"\|") for line in lines]
+
+
+def is_fault(obj) -> bool:
+    return isinstance(obj, type) and issubclass(obj, Fault)
 
 
 def words_below(name: str) -> list[str]:
@@ -36,7 +43,7 @@ def words_below(name: str) -> list[str]:
 
 
 def from_its_door(app, env, node, content):
-    """A reference to where a name is defined, as one to where it is imported from."""
+    """A reference to where a name is defined, as one to where it is imported from; plain words if it is not public."""
     target = node.get("reftarget", "")
     if node.get("refdomain") != "py" or not FILE.match(target):
         return None
@@ -44,7 +51,7 @@ def from_its_door(app, env, node, content):
     found = (
         python.resolve_xref(env, node["refdoc"], app.builder, "obj", f"{door}.{name}", node, content) for door in DOORS
     )
-    return next((reference for reference in found if reference is not None), None)
+    return next((reference for reference in found if reference is not None), content)
 
 
 def keep_names(app, config) -> None:
@@ -59,8 +66,13 @@ def drop_aliases(app, doctree) -> None:
             paragraph.parent.remove(paragraph)
 
 
-def shorten(app, what, name, obj, options, signature, returned) -> tuple[str, str] | None:
-    """Types by their last names in a signature that Sphinx cannot read, for a default such as <factory>."""
+def shorten(app, what, name, obj, options, signature, returned) -> tuple[str, str | None] | None:
+    """Types by their last names in a signature that Sphinx cannot read, for a default such as <factory>.
+
+    Faults are not made by calling: they have no signature.
+    """
+    if is_fault(obj):
+        return "", None
     return (TYPE.sub(r"\1", signature), returned) if "<" in (signature or "") else None
 
 
