@@ -237,9 +237,8 @@ def test_one_colour_a_link(linkages):
 @pytest.mark.parametrize("count", [*range(4, 10), 30])
 def test_every_number_of_links_has_colours(count):
     """A loop may have more links than there are colours: then these come again, darker."""
-    chain = [kl.i + n * kl.j for n in range(-(-count // 2))]
-    joints = [1] * len(chain) + [1] * (count - len(chain) - 1) + [1 + count % 2]
-    linkage = kl.Linkage.from_chains(chain, chain, joints=joints)
+    chain = [kl.i, 2 * kl.i, *(kl.i + n * kl.j for n in range(1, (count + 1) // 2 - 1))]
+    linkage = kl.Linkage.from_chains(chain, chain, joints=[1] * (count - 1) + [1 + count % 2])
     colours, names = link_colours(linkage), link_names(linkage)
     assert len(set(colours)) == len(set(names)) == count
     assert all(re.fullmatch("#[0-9a-f]{6}", colour) for colour in colours)
