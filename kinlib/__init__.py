@@ -14,19 +14,19 @@ from kinlib.displacement import (
     unit,
 )
 from kinlib.dual_quaternion import DualQuaternion, eps, i, j, k, null_form, one, study_form
-from kinlib.dyad import Dyad, NullQuadrilateral, TwoRSpace, recognise
+from kinlib.dyad import Dyad, NullQuadrilateral, TwoRSpace, primal_coordinates, recognise
 from kinlib.errors import DegenerateError
 from kinlib.factorization import bennett_flip, factorizations, factorize, quadratic_factors
 from kinlib.goldberg import goldberg_linkages
-from kinlib.interpolation import conic_through, cubics_through
+from kinlib.interpolation import conic_through, cubics_through, fourth_parameters
 from kinlib.line import Line, common_perpendicular
 from kinlib.linkage import DHRow, Linkage
 from kinlib.motion_polynomial import MotionPolynomial, RationalCurve, linear_factor
 from kinlib.number_field import NumberField, NumberFieldElement, square_root
 from kinlib.poses import as_pose
 from kinlib.projective import Subspace, join, meet, null_space, same_point
-from kinlib.quadric import Quadric
-from kinlib.six_r import six_r_linkages
+from kinlib.quadric import Quadric, binary_roots
+from kinlib.six_r import ADMISSIBLE_PAIRS, six_r_linkages
 from kinlib.study import (
     EXCEPTIONAL_SPACE,
     NULL_CONE,
@@ -38,6 +38,7 @@ from kinlib.three_poses import dyads_through_poses, study_eigenvalues
 from kinlib.z_plane import ZFault, ZPlane, z_planes
 
 __all__ = [
+    "ADMISSIBLE_PAIRS",
     "EXCEPTIONAL_SPACE",
     "NULL_CONE",
     "STUDY_QUADRIC",
@@ -64,6 +65,7 @@ __all__ = [
     "axis_of",
     "bennett_flip",
     "bennett_linkage",
+    "binary_roots",
     "common_perpendicular",
     "conic_through",
     "cubics_through",
@@ -71,6 +73,7 @@ __all__ = [
     "eps",
     "factorizations",
     "factorize",
+    "fourth_parameters",
     "from_matrix",
     "from_rigid_transform",
     "goldberg_linkages",
@@ -85,6 +88,7 @@ __all__ = [
     "null_form",
     "null_space",
     "one",
+    "primal_coordinates",
     "quadratic_factors",
     "recognise",
     "rotation",

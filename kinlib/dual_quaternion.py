@@ -412,3 +412,4 @@ def _flat(x: np.ndarray, shape: tuple[int, ...], total: int) -> np.ndarray:
 
 
 one, i, j, k, eps = (DualQuaternion(row) for row in np.eye(8, dtype=int)[[0, 1, 2, 3, 4]])
+"""One of the five from which all others are made, with whole coefficients."""

@@ -19,7 +19,7 @@ from kinlib.scalar import RTOL, as_float, divide, imaginary_unit, is_exact, is_i
 from kinlib.study import NULL_CONE, STUDY_QUADRIC
 from kinlib.typing import PoseLike
 
-__all__ = ["Dyad", "NullQuadrilateral", "TwoRSpace", "recognise"]
+__all__ = ["Dyad", "NullQuadrilateral", "TwoRSpace", "primal_coordinates", "recognise"]
 
 
 class NullQuadrilateral(NamedTuple):

@@ -14,7 +14,7 @@ from kinlib.poses import as_pose
 from kinlib.projective import same_point
 from kinlib.scalar import divide, is_zero, size
 
-__all__ = ["conic_through", "cubics_through"]
+__all__ = ["conic_through", "cubics_through", "fourth_parameters"]
 
 
 def conic_through(p0, p1, p2) -> MotionPolynomial:

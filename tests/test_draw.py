@@ -10,8 +10,9 @@ import pytest
 from PIL import Image
 
 import kinlib as kl
-from kinlib import draw
-from kinlib.draw import (
+from kinlib.gallery import THREE_POSES
+from kinlib.pictures import (
+    Ball,
     draw_curve,
     draw_frames,
     draw_hyperboloid,
@@ -26,12 +27,21 @@ from kinlib.draw import (
     space_axes,
     write_picture,
 )
-from kinlib.gallery import THREE_POSES
+from kinlib.pictures import draw as still
+from kinlib.pictures.bars import Bars
 
 
 @pytest.fixture(scope="module")
 def linkages():
     return kl.goldberg_linkages(*THREE_POSES, (1, 2))
+
+
+@pytest.fixture(scope="module")
+def lost():
+    """Two Bennett linkages, of which the second does not exist: its poses are those of one rotation."""
+    rows = zip(THREE_POSES, (kl.one, kl.i, kl.one + kl.i), strict=True)
+    poses = [kl.DualQuaternion.stack([pose.astype(float) for pose in row]) for row in rows]
+    return kl.bennett_linkage(*poses, degenerate="nan")
 
 
 @pytest.fixture(autouse=True)
@@ -77,15 +87,39 @@ def test_drawings_return_their_axes_in_equal_units(linkages, ax, name):
 def test_a_linkage_is_drawn_where_its_axes_are(monkeypatch, linkages, ax, t):
     """At every axis, as the linkage itself has it at t, two rods lie on it at least: the sleeves of the joint."""
     drawn = []
-    monkeypatch.setattr(draw, "_draw_pieces", lambda pieces, ax, opacity: drawn.extend(pieces))
+    monkeypatch.setattr(still, "_draw_parts", lambda parts, ax, opacity: drawn.extend(parts))
     for linkage in linkages:
         drawn.clear()
         draw_linkage(linkage, t, ax)
         axes = kl.Line.from_dual_quaternion(linkage.configuration(t))
         for direction, moment in zip(as_floats(axes.direction), as_floats(axes.moment), strict=True):
             line = kl.Line(direction, moment)
-            on_it = [p for p in drawn if line.contains(p.start, rtol=1e-7) and line.contains(p.end, rtol=1e-7)]
-            assert len({p.link for p in on_it if np.any(p.start != p.end)}) >= 2
+            rods = [part for part in drawn if not isinstance(part, Ball)]
+            on_it = [rod for rod in rods if all(line.contains(point, rtol=1e-7) for point in rod.points())]
+            assert len({rod.body for rod in on_it}) >= 2
+
+
+def test_bars_are_computed_once(monkeypatch, linkages, ax):
+    """However many positions are drawn."""
+    asked = []
+    ends = Bars.ends.func
+    monkeypatch.setattr(Bars.ends, "func", lambda bars: asked.append(bars) or ends(bars))
+    draw_positions(linkages[0], THREE_POSES, ax)
+    assert len(asked) == 1
+
+
+@pytest.mark.parametrize("draw", [lambda linkage, ax: draw_linkage(linkage, 0.5, ax), draw_path])
+def test_what_is_not_one_linkage_is_named(ax, lost, draw):
+    with pytest.raises(ValueError, match=r"batch of shape \(2,\).*pick one"):
+        draw(lost, ax)
+    assert draw(lost[0], ax) is ax
+    with pytest.raises(ValueError, match="degenerate row of a batch"):
+        draw(lost[1], ax)
+
+
+def test_the_linkage_that_cannot_be_drawn_is_counted(lost):
+    with pytest.raises(ValueError, match="linkage 2 of those given"):
+        draw_linkages([lost[0], lost[1]], [])
 
 
 def as_floats(values) -> np.ndarray:
@@ -151,7 +185,7 @@ def test_joint_angles_over_one_turn(linkages):
     linkage = linkages[0]
     _, ax = plt.subplots()
     assert draw_joint_angles(linkage, ax) is ax
-    assert len(ax.lines) == len(linkage)
+    assert len(ax.lines) == len(linkage.joints)
     whole_turns = {tuple(np.round(line.get_ydata()[[0, -1]] / 360).astype(int)) for line in ax.lines}
     assert whole_turns == {(0, -2), (0, -1)}
     named = {number for text in ax.texts for number in text.get_text() if number.isdigit()}

@@ -18,6 +18,7 @@ from kinlib import (
     conic_through,
     cubics_through,
     eps,
+    fourth_parameters,
     i,
     j,
     k,
@@ -30,7 +31,6 @@ from kinlib import (
     translation,
 )
 from kinlib.gallery import FIELD_OF_DEGREE_SIX, FOUR_POSES, LINEAR_TERMS_EQUAL, THREE_POSES
-from kinlib.interpolation import fourth_parameters
 from kinlib.testing import random_poses
 from strategies import fractions, poses
 

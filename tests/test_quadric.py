@@ -8,8 +8,7 @@ import sympy
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
-from kinlib import NumberFieldElement, Quadric, Subspace, j, join, one, same_point
-from kinlib.quadric import binary_roots
+from kinlib import NumberFieldElement, Quadric, Subspace, binary_roots, j, join, one, same_point
 from strategies import fractions, large, whole
 
 SADDLE = Quadric([[0, 0, 0, 1], [0, 0, -1, 0], [0, -1, 0, 0], [1, 0, 0, 0]])  # x₀x₃ = x₁x₂

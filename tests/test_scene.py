@@ -13,8 +13,7 @@ import pytest
 import kinlib as kl
 from browser import console_messages, requested_urls
 from kinlib.gallery import THREE_POSES
-from kinlib.pace import one_turn, parameters_of
-from kinlib.scene import (
+from kinlib.pictures import (
     Ball,
     Curve,
     Frame,
@@ -24,11 +23,15 @@ from kinlib.scene import (
     SceneGrid,
     Surface,
     dyad_scene,
+    link_colours,
+    link_names,
     linkage_scene,
     linkages_side_by_side,
     static_files,
 )
-from kinlib.skeleton import bars, in_floats, lines_of, link_colours, link_names, pose_matrices
+from kinlib.pictures.bars import Bars
+from kinlib.pictures.floats import pose_matrices
+from kinlib.pictures.turn import one_turn, parameters_of
 from kinlib.testing import random_poses
 
 ALT = "A linkage of five bars moves through three poses."
@@ -82,10 +85,10 @@ def test_every_link_but_the_base_moves(recording):
 
 
 def test_tracks_are_the_motions_of_the_links(linkages, recording):
-    linkage = in_floats(linkages[0])
-    t, _ = one_turn(linkage, recording["frames"], linkage.parameters)
-    expected = kl.as_matrix(linkage.link_displacements(t))
-    for link in range(1, len(linkage)):
+    bars = Bars.of(linkages[0])
+    t, _ = one_turn(bars, recording["frames"], bars.linkage.parameters)
+    expected = kl.as_matrix(bars.linkage.link_displacements(t))
+    for link in range(1, 5):
         found = poses_of(recording["cells"][0], f"link {link}")
         np.testing.assert_allclose(found, expected[:, link], atol=2e-4)
 
@@ -102,7 +105,7 @@ def test_a_frame_hits_each_pose(linkages, recording):
 
 def test_neighbouring_links_share_their_axis(linkages, recording):
     """A second look at the tracks: both links at a joint carry its axis to the same place."""
-    points, directions = lines_of(in_floats(linkages[0]).axes)
+    points, directions = Bars.of(linkages[0]).lines
     (cell,) = recording["cells"]
     moves = [np.eye(4), *[poses_of(cell, body) for body in cell["tracks"]]]
     for joint in range(5):
@@ -141,7 +144,7 @@ def test_scenes_are_small(scene, linkages):
 SCRIPT = """
 import hashlib, kinlib as kl
 from kinlib.gallery import THREE_POSES
-from kinlib.scene import linkage_scene, linkages_side_by_side
+from kinlib.pictures import linkage_scene, linkages_side_by_side
 linkages = kl.goldberg_linkages(*THREE_POSES, (1, 2))
 scenes = linkage_scene(linkages[0], THREE_POSES, alt="x"), linkages_side_by_side(linkages, THREE_POSES, alt="x")
 print([hashlib.sha256(scene._repr_html_().encode()).hexdigest() for scene in scenes])
@@ -197,8 +200,8 @@ def test_a_dyad_turns_about_one_axis_after_the_other():
 
 
 def test_bars_lie_along_common_perpendiculars(linkages):
-    for linkage in map(in_floats, linkages):
-        ends, (_, directions) = bars(linkage), lines_of(linkage.axes)
+    for linkage in linkages:
+        ends, (_, directions) = Bars.of(linkage).ends, Bars.of(linkage).lines
         for link, (start, end) in enumerate(ends):
             assert abs((end - start) @ directions[link - 1]) < 1e-9
             assert abs((end - start) @ directions[link]) < 1e-9
@@ -210,15 +213,15 @@ def test_bars_lie_along_common_perpendiculars(linkages):
 def test_bars_keep_near_when_common_perpendiculars_run_away():
     linkage = kl.six_r_linkages(*random_poses(4, seed=23), 1.0)[9]
     assert max(abs(row.offset) for row in linkage.denavit_hartenberg()) > 10
-    assert np.ptp(bars(linkage).reshape(-1, 3), axis=0).max() < 4
+    assert np.ptp(Bars.of(linkage).ends.reshape(-1, 3), axis=0).max() < 4
 
 
 @pytest.mark.parametrize("centre", [[0, 0, 0], [5, -3, 2]])
 def test_bars_of_a_spherical_linkage_keep_their_distance_from_the_centre(centre):
     shift = kl.translation(centre)
     h1, h2 = (shift * h * shift.conjugate() for h in (kl.i, 3 * kl.i + 4 * kl.j))
-    linkage = in_floats(kl.Linkage.from_chains([h1, h2], kl.bennett_flip(h1, h2)))
-    distances = np.linalg.norm(bars(linkage) - centre, axis=-1)
+    linkage = kl.Linkage.from_chains([h1, h2], kl.bennett_flip(h1, h2))
+    distances = np.linalg.norm(Bars.of(linkage).ends - centre, axis=-1)
     np.testing.assert_allclose(distances, distances[0, 0])
     assert distances[0, 0] > 0.9
     assert linkage_scene(linkage, alt="A spherical linkage.").frames == 90
@@ -231,19 +234,52 @@ def test_one_colour_a_link(linkages):
     assert names[linkages[0].coupler] == "coupler"
 
 
+@pytest.mark.parametrize("count", [*range(4, 10), 30])
+def test_every_number_of_links_has_colours(count):
+    """A loop may have more links than there are colours: then these come again, darker."""
+    chain = [kl.i, 2 * kl.i, *(kl.i + n * kl.j for n in range(1, (count + 1) // 2 - 1))]
+    linkage = kl.Linkage.from_chains(chain, chain, joints=[1] * (count - 1) + [1 + count % 2])
+    colours, names = link_colours(linkage), link_names(linkage)
+    assert len(set(colours)) == len(set(names)) == count
+    assert all(re.fullmatch("#[0-9a-f]{6}", colour) for colour in colours)
+
+
+def test_bars_of_a_scene_are_computed_once(monkeypatch, linkages):
+    asked = []
+    ends = Bars.ends.func
+    monkeypatch.setattr(Bars.ends, "func", lambda bars: asked.append(bars) or ends(bars))
+    linkage_scene(linkages[0], THREE_POSES, alt=ALT)
+    assert len(asked) == 1
+
+
+def test_what_is_not_one_linkage_is_named(linkages):
+    rows = zip(THREE_POSES, (kl.one, kl.i, kl.one + kl.i), strict=True)
+    poses = [kl.DualQuaternion.stack([pose.astype(float) for pose in row]) for row in rows]
+    batch = kl.bennett_linkage(*poses, degenerate="nan")  # in the second row the poses are those of one rotation
+    with pytest.raises(ValueError, match=r"the linkage is a batch of shape \(2,\)"):
+        linkage_scene(batch, alt=ALT)
+    with pytest.raises(ValueError, match=r"the linkage is not a linkage: .* not finite"):
+        linkage_scene(batch[1], alt=ALT)
+    with pytest.raises(ValueError, match="linkage 2 of those given is not a linkage"):
+        linkages_side_by_side([linkages[0], batch[1]], alt=ALT)
+    h1, h2 = kl.DualQuaternion.stack([kl.i, kl.j]), kl.DualQuaternion.stack([kl.j - kl.eps * kl.i, kl.k])
+    with pytest.raises(ValueError, match=r"the dyad is a batch of shape \(2,\)"):
+        dyad_scene(kl.Dyad(h1, h2), alt=ALT)
+
+
 def test_the_pace_is_even_and_stops_where_it_must(linkages):
-    linkage = in_floats(linkages[0])
-    t, places = one_turn(linkage, 60, [1.0, np.inf, 0.0])
+    bars = Bars.of(linkages[0])
+    t, places = one_turn(bars, 60, [1.0, np.inf, 0.0])
     assert t[0] == np.inf
     assert list(t[places]) == [1.0, np.inf, 0.0]
-    ends = kl.act(linkage.link_displacements(t)[..., None], bars(linkage)).reshape(60, -1, 3)
+    ends = kl.act(linkages[0].link_displacements(t)[..., None], bars.ends).reshape(60, -1, 3)
     steps = np.linalg.norm(np.diff(ends, axis=0), axis=2).sum(axis=1)
     assert steps.max() < 1.6 * steps.min()
 
 
 @pytest.mark.parametrize("places", [[0, 10, 20], [0, 20, 10], [5, 15, 25]])
 def test_stops_can_be_placed(linkages, places):
-    t, found = one_turn(in_floats(linkages[0]), 30, [np.inf, 0.0, 1.0], places)
+    t, found = one_turn(Bars.of(linkages[0]), 30, [np.inf, 0.0, 1.0], places)
     assert list(found) == places
     assert list(t[places]) == [np.inf, 0.0, 1.0]
     assert len(np.unique(t)) == 30
@@ -251,14 +287,14 @@ def test_stops_can_be_placed(linkages, places):
 
 def test_too_many_stops_are_refused(linkages):
     with pytest.raises(ValueError, match="at least 4 frames"):
-        one_turn(in_floats(linkages[0]), 3, [0.0, 1.0, 2.0])
+        one_turn(Bars.of(linkages[0]), 3, [0.0, 1.0, 2.0])
 
 
 def test_poses_are_found_without_being_told(linkages):
     """The search agrees with the parameters from which the linkage was made."""
-    for linkage in map(in_floats, linkages):
+    for linkage in linkages:
         plain = kl.Linkage(linkage.factors, linkage.joints, linkage.coupler, linkage.home)
-        np.testing.assert_allclose(parameters_of(plain, THREE_POSES), linkage.parameters, atol=1e-9)
+        np.testing.assert_allclose(parameters_of(Bars.of(plain), THREE_POSES), as_floats(linkage.parameters), atol=1e-9)
 
 
 def test_a_pose_that_is_missed_is_named(linkages):

@@ -11,6 +11,7 @@ import pytest
 from scipy.spatial.transform import RigidTransform
 
 from kinlib import (
+    ADMISSIBLE_PAIRS,
     DegenerateError,
     Dyad,
     Linkage,
@@ -24,7 +25,6 @@ from kinlib import (
     translation,
 )
 from kinlib.gallery import FOUR_POSES
-from kinlib.six_r import ADMISSIBLE_PAIRS
 from kinlib.testing import assert_closes, assert_visits, random_poses
 from problems import pose_error, random_displacement, random_half_turns
 

@@ -12,7 +12,7 @@ from shutil import copyfile, copytree
 
 from docutils import nodes
 
-from kinlib.scene import static_files
+from kinlib.pictures import static_files
 
 # What TeX input and HTML output need; speech, SVG and the other inputs stay behind.
 MATHJAX_PARTS = ("tex-chtml.js", "input/tex/extensions", "output/chtml/fonts")

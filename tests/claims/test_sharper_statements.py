@@ -13,6 +13,7 @@ from kinlib import (
     Dyad,
     dyads_through_poses,
     eps,
+    fourth_parameters,
     goldberg_linkages,
     i,
     j,
@@ -25,7 +26,6 @@ from kinlib import (
 )
 from kinlib.factorization import quadratic_of
 from kinlib.gallery import FOUR_POSES, THREE_POSES
-from kinlib.interpolation import fourth_parameters
 from kinlib.testing import random_poses
 from problems import random_half_turns
 

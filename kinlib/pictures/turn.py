@@ -2,24 +2,29 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
+
 import numpy as np
 
-from kinlib.displacement import act, as_matrix
+from kinlib.displacement import as_matrix
 from kinlib.linkage import Linkage
+from kinlib.pictures.bars import Bars
+from kinlib.pictures.floats import pose_matrices
 from kinlib.scalar import as_float
-from kinlib.skeleton import bars, extent, pose_matrices
+from kinlib.typing import ArrayLike, PoseLike
 
 __all__ = ["one_turn", "parameters_of"]
 
 _STEPS = 720  # places along a turn from which even ones are chosen
 
 
-def parameters_of(linkage: Linkage, poses) -> np.ndarray:
+def parameters_of(bars: Bars, poses: Sequence[PoseLike]) -> np.ndarray:
     """The parameters t at which the coupler reaches the poses.
 
     Parameters
     ----------
-    linkage : Linkage
+    bars : Bars
+        Of the linkage.
     poses : sequence of DualQuaternion, 4×4 matrices or SciPy ``RigidTransform``
 
     Returns
@@ -32,25 +37,25 @@ def parameters_of(linkage: Linkage, poses) -> np.ndarray:
     ValueError
         If the coupler does not pass through one of the poses.
     """
-    return np.array([_parameter_of(linkage, target, n) for n, target in enumerate(pose_matrices(poses))])
+    return np.array([_parameter_of(bars, target, n) for n, target in enumerate(pose_matrices(poses))])
 
 
-def _parameter_of(linkage: Linkage, target: np.ndarray, n: int) -> float:
+def _parameter_of(bars: Bars, target: np.ndarray, n: int) -> float:
     """One of the parameters from which the linkage was made, or else what a search along the whole turn finds."""
-    size = extent(linkage)
+    linkage = bars.linkage
 
     def gap(turn):
         difference = _matrices(linkage, turn) - target
-        return (difference / np.array([1, 1, 1, size]))[..., :3, :].reshape(*np.shape(turn), 12)
+        return (difference / np.array([1, 1, 1, bars.size]))[..., :3, :].reshape(*np.shape(turn), 12)
 
     known = [t for t in linkage.parameters if np.abs(gap(_turn(t))).max() < 1e-9]
-    root = _turn(known[0]) if known else _nearest_turn(gap, _even_turns(linkage))
+    root = _turn(known[0]) if known else _nearest_turn(gap, _even_turns(bars))
     if not np.abs(gap(root)).max() < 1e-6:
         raise ValueError(f"the coupler does not pass through pose {n} of those given")
     return float(known[0] if known else _parameter(root))
 
 
-def _nearest_turn(gap, turns: np.ndarray) -> float:
+def _nearest_turn(gap: Callable, turns: np.ndarray) -> float:
     """Where a gap is least: the best of some turns, then settled where the gap is orthogonal to the motion."""
     best = turns[np.argmin((gap(turns) ** 2).sum(-1))]
     width = 1e-4 * min(best, 2 * np.pi - best) + 1e-9
@@ -58,7 +63,7 @@ def _nearest_turn(gap, turns: np.ndarray) -> float:
     return _secant(lambda turn: gap(turn) @ tangent, best - width, best + width)
 
 
-def _secant(function, a: float, b: float) -> float:
+def _secant(function: Callable, a: float, b: float) -> float:
     """A zero of a function near a and b, as closely as floats tell."""
     at_a, at_b = function(a), function(b)
     for _ in range(30):
@@ -69,12 +74,13 @@ def _secant(function, a: float, b: float) -> float:
     return b
 
 
-def _turn(t):
+def _turn(t: ArrayLike) -> np.ndarray:
     """The turn from 0 to 2π with t = cot(½ turn)."""
+    t = as_float(t)
     return np.where(np.isinf(t), 0, 2 * np.arctan2(1, t))
 
 
-def _parameter(turn) -> np.ndarray:
+def _parameter(turn: ArrayLike) -> np.ndarray:
     """The parameter t = cot(½ turn): a turn of 0 is t = ∞, a turn of 2π is t = −∞."""
     turn = np.asarray(turn, dtype=float)
     sine = np.sin(turn / 2)
@@ -82,39 +88,37 @@ def _parameter(turn) -> np.ndarray:
     return np.where(home, np.inf, np.cos(turn / 2) / np.where(home, 1, sine))
 
 
-def _matrices(linkage: Linkage, turn) -> np.ndarray:
+def _matrices(linkage: Linkage, turn: ArrayLike) -> np.ndarray:
     return as_float(as_matrix(linkage.coupler_motion(_parameter(turn))))
 
 
-def _ends(linkage: Linkage, turns: np.ndarray) -> np.ndarray:
-    """Where the ends of the bars are, shape (number of turns, 2 n, 3)."""
-    moves = linkage.link_displacements(_parameter(turns))
-    return as_float(act(moves[..., None], bars(linkage))).reshape(len(turns), -1, 3)
-
-
-def _travel(linkage: Linkage, turns: np.ndarray) -> np.ndarray:
+def _travel(bars: Bars, turns: np.ndarray) -> np.ndarray:
     """How far the ends of the bars have come altogether, from 0 to 1; never at rest."""
-    steps = np.linalg.norm(np.diff(_ends(linkage, turns), axis=0), axis=-1).sum(axis=-1)
+    ends = bars.ends_at(_parameter(turns)).reshape(len(turns), -1, 3)
+    steps = np.linalg.norm(np.diff(ends, axis=0), axis=-1).sum(axis=-1)
     travel = np.concatenate([[0], np.cumsum(steps)])
     share = turns / (2 * np.pi)
     return 0.95 * travel / travel[-1] + 0.05 * share if travel[-1] > 0 else share
 
 
-def _even_turns(linkage: Linkage) -> np.ndarray:
+def _even_turns(bars: Bars) -> np.ndarray:
     """Turns from 0 to 2π in which the linkage goes equally far at each step, nearly."""
     turns = np.linspace(0, 2 * np.pi, _STEPS + 1)
     for _ in range(4):
-        travel = _travel(linkage, turns)
+        travel = _travel(bars, turns)
         turns = np.interp(np.linspace(0, travel[-1], _STEPS + 1), travel, turns)
     return turns
 
 
-def one_turn(linkage: Linkage, frames: int, stops=(), places=None) -> tuple[np.ndarray, np.ndarray]:
+def one_turn(
+    bars: Bars, frames: int, stops: ArrayLike = (), places: ArrayLike | None = None
+) -> tuple[np.ndarray, np.ndarray]:
     """Parameters along one turn at which the linkage goes equally far at each step.
 
     Parameters
     ----------
-    linkage : Linkage
+    bars : Bars
+        Of the linkage.
     frames : int
         How many parameters; after the last comes the first again.
     stops : array_like, shape (k,)
@@ -136,8 +140,8 @@ def one_turn(linkage: Linkage, frames: int, stops=(), places=None) -> tuple[np.n
     """
     stops = np.asarray(stops, dtype=float)
     knots = _turn(stops)
-    turns = np.union1d(_even_turns(linkage), knots)
-    travel = _travel(linkage, turns)
+    turns = np.union1d(_even_turns(bars), knots)
+    travel = _travel(bars, turns)
     heights = np.interp(knots, turns, travel)
     if places is None:
         places = _even_places(heights, frames)

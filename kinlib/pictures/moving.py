@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 
@@ -10,48 +11,31 @@ from kinlib.displacement import act
 from kinlib.dual_quaternion import DualQuaternion, one
 from kinlib.dyad import Dyad
 from kinlib.linkage import Linkage
-from kinlib.pace import one_turn, parameters_of
-from kinlib.parts import Ball, Curve, Frame, Label, Rod, Surface
-from kinlib.player import Scene, SceneGrid, static_files
+from kinlib.pictures.bars import Bars, common_feet, lines_of
+from kinlib.pictures.colours import BASE, COUPLER, LINKS, link_colours, link_names
+from kinlib.pictures.floats import one_dyad, one_linkage
+from kinlib.pictures.linkage_parts import body_of, coupler_parts, holder, joint, link_parts, linkage_parts, pin
+from kinlib.pictures.parts import Curve, Frame, Label, Rod, Surface
+from kinlib.pictures.scene import Scene, SceneGrid
+from kinlib.pictures.turn import one_turn, parameters_of
 from kinlib.poses import as_pose
 from kinlib.scalar import as_float
-from kinlib.skeleton import (
-    BASE,
-    COUPLER,
-    LINKS,
-    Piece,
-    common_feet,
-    coupler_pieces,
-    extent,
-    floats,
-    holder,
-    in_floats,
-    joint,
-    lines_of,
-    link_colours,
-    link_names,
-    link_pieces,
-    linkage_pieces,
-    pin,
-)
+from kinlib.typing import PointLike, PoseLike
 
-__all__ = [
-    "Ball", "Curve", "Frame", "Label", "Rod", "Scene", "SceneGrid", "Surface",
-    "dyad_scene", "linkage_scene", "linkages_side_by_side", "static_files",
-]  # fmt: skip
+__all__ = ["dyad_scene", "linkage_scene", "linkages_side_by_side"]
 
 
 def linkage_scene(
     linkage: Linkage,
-    poses: Sequence = (),
+    poses: Sequence[PoseLike] = (),
     *,
     alt: str,
-    point=(0, 0, 0),
+    point: PointLike = (0, 0, 0),
     parameters: Sequence[float] | None = None,
     places: Sequence[int] | None = None,
     names: Sequence[str] | None = None,
     frames: int = 90,
-    **options,
+    **options: Any,
 ) -> Scene:
     """A linkage that makes one turn after another, through the poses.
 
@@ -87,38 +71,29 @@ def linkage_scene(
     ValueError
         If the coupler does not visit one of the poses.
     """
-    linkage = in_floats(linkage)
-    stops = parameters_of(linkage, poses) if parameters is None else parameters
-    t, places = one_turn(linkage, frames, stops, places)
+    bars = Bars.of(linkage)
+    linkage = bars.linkage
+    stops = parameters_of(bars, poses) if parameters is None else parameters
+    t, reached = one_turn(bars, frames, stops, places)
     path = as_float(act(linkage.coupler_motion(t), point))
-    unit = max(extent(linkage), np.ptp(path, axis=0).max() / 2)
+    unit = max(bars.size, np.ptp(path, axis=0).max() / 2)
     start = as_float(act(linkage.home, point))
     moves = linkage.link_displacements(t)
-    bodies = ["", *(f"link {n}" for n in range(1, len(linkage)))]
     return Scene(
         parts=[
-            *_rods(linkage_pieces(linkage, unit) + coupler_pieces(linkage, start, unit), bodies),
-            Frame(linkage.home, 0.24 * unit, body=bodies[linkage.coupler]),
+            *linkage_parts(bars, unit),
+            *coupler_parts(bars, start, unit),
+            Frame(linkage.home, 0.24 * unit, body=body_of(linkage.coupler)),
             Curve(path, COUPLER, 0.012 * unit, closed=True),
-            *_reached(poses, places, unit, names),
+            *_reached(poses, reached, unit, names),
         ],
-        motions={name: moves[:, n] for n, name in enumerate(bodies) if name},
+        motions={body_of(n): moves[:, n] for n in range(1, len(linkage.joints))},
         captions=[f"t = {_short(x)}" for x in t],
         legend=[*zip(link_names(linkage), link_colours(linkage), strict=True)],
         alt=alt,
         slider="Position along one turn",
         **options,
     )
-
-
-def _rods(pieces, names) -> list[Rod | Ball]:
-    """Pieces as parts of a scene; the names are those of the bodies that carry the links."""
-    return [
-        Rod(start, end, colour, radius, names[link])
-        if np.any(start != end)
-        else Ball(start, colour, radius, names[link])
-        for start, end, radius, colour, link in pieces
-    ]
 
 
 def _subscript(number: int) -> str:
@@ -135,13 +110,13 @@ def _short(x: float) -> str:
 
 def linkages_side_by_side(
     linkages: Sequence[Linkage],
-    poses: Sequence = (),
+    poses: Sequence[PoseLike] = (),
     *,
     alt: str,
     names: Sequence[str] | None = None,
     frames: int = 36,
     height: str = "",
-    **options,
+    **options: Any,
 ) -> SceneGrid:
     """Several linkages next to each other, which reach their poses at the same times.
 
@@ -165,6 +140,7 @@ def linkages_side_by_side(
     -------
     SceneGrid
     """
+    linkages = [one_linkage(linkage, f"linkage {n} of those given") for n, linkage in enumerate(linkages, start=1)]
     places = [frames * n // len(poses) for n in range(len(poses))]
     scenes = [linkage_scene(linkage, poses, alt=alt, places=places, frames=frames) for linkage in linkages]
     return SceneGrid(
@@ -185,7 +161,15 @@ def _grid_height(count: int) -> str:
     return f"clamp({wide}rem, {wide + 2 * (narrow - wide)}rem - {5 * (narrow - wide)}vw, {narrow}rem)"
 
 
-def dyad_scene(dyad: Dyad, poses: Sequence = (), *, alt: str, point=(0, 0, 0), frames: int = 96, **options) -> Scene:
+def dyad_scene(
+    dyad: Dyad,
+    poses: Sequence[PoseLike] = (),
+    *,
+    alt: str,
+    point: PointLike = (0, 0, 0),
+    frames: int = 96,
+    **options: Any,
+) -> Scene:
     """A 2R dyad that goes from pose to pose; without poses it turns once about each of its axes.
 
     Its hand carries a frame, and a point that sweeps a surface as both angles run.
@@ -193,7 +177,7 @@ def dyad_scene(dyad: Dyad, poses: Sequence = (), *, alt: str, point=(0, 0, 0), f
     Parameters
     ----------
     dyad : Dyad
-    poses : sequence of DualQuaternion
+    poses : sequence of DualQuaternion, 4×4 matrices or SciPy ``RigidTransform``
         Poses that the dyad reaches; each lights up when it is reached.
     alt : str
         A sentence that says what is to be seen.
@@ -208,7 +192,8 @@ def dyad_scene(dyad: Dyad, poses: Sequence = (), *, alt: str, point=(0, 0, 0), f
     -------
     Scene
     """
-    h1, h2, home = floats(dyad.h1), floats(dyad.h2), floats(dyad.home)
+    single = one_dyad(dyad)
+    h1, h2, home = single.h1, single.h2, single.home
     angles, places = _tour(dyad, poses, frames) if poses else _two_turns(frames)
     first, second = _rotations(h1, angles[:, 0]), _rotations(h2, angles[:, 1])
     start = as_float(act(home, point))
@@ -232,7 +217,9 @@ def dyad_scene(dyad: Dyad, poses: Sequence = (), *, alt: str, point=(0, 0, 0), f
     )
 
 
-def _reached(poses, places, unit: float, names=None) -> list[Frame]:
+def _reached(
+    poses: Sequence[PoseLike], places: np.ndarray, unit: float, names: Sequence[str] | None = None
+) -> list[Frame]:
     """Frames at poses, which light up at their places in time."""
     names = [f"p{_subscript(n)}" for n in range(len(poses))] if names is None else names
     return [
@@ -241,14 +228,14 @@ def _reached(poses, places, unit: float, names=None) -> list[Frame]:
     ]
 
 
-def _two_turns(frames: int) -> tuple[np.ndarray, tuple]:
+def _two_turns(frames: int) -> tuple[np.ndarray, np.ndarray]:
     """One turn about the first axis, then one about the second: angles in radians, shape (frames, 2)."""
     turn = np.linspace(0, 2 * np.pi, frames // 2, endpoint=False)
     rest = 0 * turn
-    return np.concatenate([np.stack([turn, rest], axis=1), np.stack([rest, turn], axis=1)]), ()
+    return np.concatenate([np.stack([turn, rest], axis=1), np.stack([rest, turn], axis=1)]), np.array([])
 
 
-def _tour(dyad, poses, frames: int) -> tuple[np.ndarray, np.ndarray]:
+def _tour(dyad: Dyad, poses: Sequence[PoseLike], frames: int) -> tuple[np.ndarray, np.ndarray]:
     """The angles on the shortest way from pose to pose and back, shape (frames, 2), and when poses are reached."""
     stops = np.unwrap([_angles(dyad, pose) for pose in (*poses, poses[0])], axis=0)
     places = np.round(np.linspace(0, frames, len(stops))).astype(int)
@@ -256,7 +243,7 @@ def _tour(dyad, poses, frames: int) -> tuple[np.ndarray, np.ndarray]:
     return np.stack(angles, axis=1), places[:-1]
 
 
-def _angles(dyad, pose) -> list[float]:
+def _angles(dyad: Dyad, pose: PoseLike) -> list[float]:
     """The two angles at which a dyad reaches a pose: t − h turns by θ if t = −|l| cot ½θ."""
     parameters = dyad.parameters(as_pose(pose))
     lengths = [np.linalg.norm(as_float(h.coeffs)[1:4]) for h in (dyad.h1, dyad.h2)]
@@ -279,14 +266,15 @@ def _arm(points: np.ndarray, directions: np.ndarray, home: DualQuaternion, point
     """A post on the first axis, the link to the second, and the hand with its frame and its point."""
     feet = common_feet(points, directions)
     (post, near), (far, hand) = [joint(directions[n], feet[n], feet[n], unit) for n in (0, 1)]
-    pieces = [
-        Piece(post[0] - 0.5 * unit * directions[0], post[0], 0.042 * unit, BASE, 0),
-        Piece(*post[1], 0.065 * unit, BASE, 0),
-        *link_pieces(near, far, LINKS[0], 1, unit),
-        Piece(*hand[1], 0.065 * unit, COUPLER, 2),
-        *holder((hand[0], as_float(act(home, [0, 0, 0])), point), 2, unit),
-        pin(post[1], near[1], 0, unit),
-        pin(far[1], hand[1], 1, unit),
+    return [
+        Rod(post.foot - 0.5 * unit * directions[0], post.foot, BASE, 0.042 * unit),
+        Rod(post.sleeve[0], post.sleeve[1], BASE, 0.065 * unit),
+        *link_parts(near, far, LINKS[0], "link", unit),
+        Rod(hand.sleeve[0], hand.sleeve[1], COUPLER, 0.065 * unit, "hand"),
+        *holder((hand.foot, as_float(act(home, [0, 0, 0])), point), "hand", unit),
+        pin(post, near, "", unit),
+        pin(far, hand, "link", unit),
+        Frame(home, 0.24 * unit, body="hand"),
+        Label("h₁", feet[0]),
+        Label("h₂", feet[1], "link"),
     ]
-    frame, labels = Frame(home, 0.24 * unit, body="hand"), [Label("h₁", feet[0]), Label("h₂", feet[1], "link")]
-    return [*_rods(pieces, ["", "link", "hand"]), frame, *labels]

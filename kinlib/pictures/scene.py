@@ -2,16 +2,10 @@
 
 A `Scene` is made of parts, some of them carried by bodies that move.  Shown in a notebook it embeds a small
 player; ``scene.save("x.html")`` writes one file that plays by itself.
-
-In a book all scenes share one copy of the viewer, in a live Jupyter each brings its own; the environment variable
-``KINLIB_SCENE`` decides otherwise if it is ``shared`` or ``inline``.
 """
 
 from __future__ import annotations
 
-import html
-import importlib.util
-import json
 import os
 from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
@@ -20,33 +14,15 @@ from pathlib import Path
 
 import numpy as np
 
-from kinlib.displacement import act, translation
+from kinlib.displacement import act
 from kinlib.dual_quaternion import DualQuaternion
-from kinlib.parts import DIGITS, View, record, tidy
+from kinlib.pictures.page import page_of, shown
+from kinlib.pictures.parts import Frame, Part
+from kinlib.pictures.recording import DIGITS, record, tidy, track
+from kinlib.pictures.shapes import View
 from kinlib.scalar import as_float
 
-__all__ = ["Scene", "SceneGrid", "static_files"]
-
-# ---- motions -----------------------------------------------------------------------------------------
-
-
-def _track(motion: DualQuaternion, view: View, digits: int) -> list[int]:
-    """A motion as dual quaternions of length 10^digits in the units of the recording; their signs do not jump."""
-    moved = translation(-view.centre) * motion * translation(view.centre)
-    coefficients = as_float(moved.coeffs)
-    coefficients = coefficients / np.linalg.norm(coefficients[:, :4], axis=1, keepdims=True)
-    coefficients[:, 4:] /= view.radius
-    agree = (coefficients[1:, :4] * coefficients[:-1, :4]).sum(axis=1)
-    signs = np.cumprod(np.concatenate([[_sign(coefficients[0])], np.where(agree < 0, -1, 1)]))
-    return np.round(coefficients * signs[:, None] * 10**digits).astype(int).ravel().tolist()
-
-
-def _sign(coefficients: np.ndarray) -> float:
-    """The sign of the first coefficient that is not zero."""
-    return np.sign(coefficients[np.abs(coefficients) > 1e-9][0])
-
-
-# ---- scenes ------------------------------------------------------------------------------------------
+__all__ = ["Scene", "SceneGrid"]
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)
@@ -97,16 +73,11 @@ class Playable(ABC):
             Where it was written.
         """
         path = Path(path)
-        path.write_text(_page(self.recording(), shared=False), encoding="utf-8")
+        path.write_text(page_of(self.recording(), shared=False), encoding="utf-8")
         return path
 
     def _repr_html_(self) -> str:
-        page = _page(self.recording(), shared=_shares_the_viewer())
-        return (
-            f'<iframe class="kinlib-scene" title="{html.escape(self.alt)}" '
-            f'style="width:100%;height:{self.height};border:0;border-radius:8px;display:block" '
-            f"srcdoc='{page.replace('&', '&amp;').replace(chr(39), '&#39;')}'></iframe>"
-        )
+        return shown(self.recording(), self.height)
 
 
 @dataclass(frozen=True, repr=False)
@@ -136,7 +107,7 @@ class Scene(Playable):
 
     Examples
     --------
-    >>> from kinlib.scene import Rod
+    >>> from kinlib.pictures import Rod
     >>> angles = np.arange(0, np.pi, np.pi / 12)
     >>> turns = DualQuaternion([[np.cos(x), 0, 0, np.sin(x), 0, 0, 0, 0] for x in angles])
     >>> hand = Rod([0, 0, 0], [1, 0, 0], body="hand")
@@ -144,7 +115,7 @@ class Scene(Playable):
     <Scene of 12 frames: A rod turns about one of its ends.>
     """
 
-    parts: Sequence = ()
+    parts: Sequence[Part] = ()
     motions: Mapping[str, DualQuaternion] = field(default_factory=dict)
 
     def __post_init__(self):
@@ -162,7 +133,7 @@ class Scene(Playable):
         """The number of frames; 1 if nothing moves."""
         return next((motion.shape[0] for motion in self.motions.values()), 1)
 
-    def with_parts(self, *parts) -> Scene:
+    def with_parts(self, *parts: Part) -> Scene:
         """The same scene with more parts in it."""
         return replace(self, parts=(*self.parts, *parts))
 
@@ -172,21 +143,20 @@ class Scene(Playable):
     def cell(self, name: str = "", digits: int = DIGITS) -> dict:
         """One view: what is in it, how it moves, where its letters stand and when its frames light up."""
         view, hull = self._bounds()
-        numbered = list(enumerate(self.parts))
         labels = [
             (text, part.body, view.place(part.points()[0]), getattr(part, "lights_at", None))
-            for _, part in numbered
-            if (text := getattr(part, "text", "") or getattr(part, "name", ""))
+            for part in self.parts
+            if (text := _written(part))
         ]
         lights = [
             (f"{part.body or 'fixed'}/{number}", part.lights_at, part.name)
-            for number, part in numbered
-            if getattr(part, "lights_at", None) is not None
+            for number, part in enumerate(self.parts)
+            if isinstance(part, Frame) and part.lights_at is not None
         ]
         return {
             "name": name, "unit": view.radius, "centre": view.centre, "hull": hull,
             "labels": labels, "lights": lights,
-            "tracks": {body: _track(motion, view, digits) for body, motion in self.motions.items()},
+            "tracks": {body: track(motion, view, digits) for body, motion in self.motions.items()},
             **record(self.parts, view),
         }  # fmt: skip
 
@@ -198,12 +168,17 @@ class Scene(Playable):
         view = View(centre, radius)
         return view, _outermost(view.place(points))
 
-    def _swept(self, part) -> np.ndarray:
+    def _swept(self, part: Part) -> np.ndarray:
         """The points of a part in all its positions, shape (k, 3)."""
         points = part.points()
         if not part.body:
             return points
         return as_float(act(self.motions[part.body][:, None], points)).reshape(-1, 3)
+
+
+def _written(part: Part) -> str:
+    """What is written next to a part."""
+    return getattr(part, "text", "") or getattr(part, "name", "")
 
 
 @dataclass(frozen=True, repr=False)
@@ -260,62 +235,3 @@ def _apparent_size(hull: np.ndarray, direction: tuple[float, float]) -> float:
     seen = hull @ np.transpose([right, over])
     spread = seen - seen.mean(axis=0)
     return round(float(np.log(np.linalg.det(spread.T @ spread) + 1e-6)), 6)
-
-
-# ---- pages -------------------------------------------------------------------------------------------
-
-_LOADER = """
-(() => {
-  let root;
-  try { root = parent.document.documentElement.dataset.content_root; } catch { /* not our page */ }
-  if (root === undefined) {
-    document.body.textContent = "This scene plays in the built book and in Jupyter; "
-      + "elsewhere, set KINLIB_SCENE=inline and run its cell.";
-    return;
-  }
-  const add = (tag, values) => document.head.append(Object.assign(document.createElement(tag), values));
-  add("link", { rel: "stylesheet", href: root + "_static/kinlib/viewer.css" });
-  window.bundle = root + "_static/meshcat/main.min.js";
-  add("script", { src: root + "_static/kinlib/viewer.js" });
-})();
-"""
-
-
-def static_files() -> dict[str, Path]:
-    """The files that the scenes of a book share, by their place in the book's ``_static`` folder."""
-    viewer = Path(importlib.util.find_spec("meshcat").origin).parent / "viewer"
-    bundle = [viewer / "LICENSE", *sorted((viewer / "dist").glob("main.min.js*"))]
-    ours = [Path(__file__).with_name(name) for name in ("viewer.css", "viewer.js")]
-    return {f"meshcat/{file.name}": file for file in bundle} | {f"kinlib/{file.name}": file for file in ours}
-
-
-def _shares_the_viewer() -> bool:
-    """Whether scenes use the viewer of the book around them."""
-    asked = os.environ.get("KINLIB_SCENE")
-    if asked not in (None, "shared", "inline"):
-        raise ValueError(f"expected KINLIB_SCENE to be 'shared' or 'inline', got {asked!r}")
-    return asked == "shared" if asked else "JPY_SESSION_NAME" not in os.environ
-
-
-def _page(recording: dict, *, shared: bool) -> str:
-    """The HTML document of one scene."""
-    data = json.dumps(recording, ensure_ascii=False, separators=(",", ":")).replace("<", "\\u003c")
-    style, scripts = ("", [_LOADER]) if shared else _own_copies()
-    return "\n".join([
-        '<!doctype html><html lang="en"><head><meta charset="utf-8">',
-        '<meta name="viewport" content="width=device-width">',
-        f"<title>{html.escape(recording['alt'])}</title>{style}</head><body>",
-        f'<script type="application/json" id="recording">{data}</script>',
-        *(f"<script>{script}</script>" for script in scripts),
-        "</body></html>",
-    ])  # fmt: skip
-
-
-def _own_copies() -> tuple[str, list[str]]:
-    """The style sheet and the scripts of the player, to be written into the page."""
-    shared = static_files()
-    css, *scripts = (
-        shared[name].read_text(encoding="utf-8")
-        for name in ("kinlib/viewer.css", "meshcat/main.min.js", "kinlib/viewer.js")
-    )
-    return f"<style>{css}</style>", [script.replace("</script", "<\\/script") for script in scripts]
