@@ -8,13 +8,14 @@ acts first.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from itertools import accumulate
 from typing import Any
 
 import numpy as np
+from numpy.typing import DTypeLike
 
-from kinlib.scalar import as_scalars, divide, is_scalar, is_zero, promote, size
+from kinlib.scalar import ArrayLike, as_float, as_scalars, divide, is_scalar, is_zero, promote, size
 
 __all__ = [
     "DualQuaternion", "dual_size", "eps", "eps_times", "i", "j", "k", "null_form", "one", "primal_size", "study_form",
@@ -31,12 +32,21 @@ class DualQuaternion:
     ----------
     coeffs : array_like, shape (..., 8)
         The coefficients with respect to 1, i, j, k, ε, εi, εj, εk: integers, floats, complex numbers,
-        fractions, SymPy expressions or elements of a number field.
+        fractions, SymPy expressions or elements of a number field.  A dual quaternion, or a list of them, gives
+        the same value, or their batch.
 
     Raises
     ------
     ValueError
         If the last axis does not have eight entries.
+    TypeError
+        If there is something that is not a number.
+
+    Notes
+    -----
+    For NumPy a dual quaternion is its array of coefficients: ``np.asarray(q)`` is ``q.coeffs``, read-only.  In
+    operations an array is an array of scalars, one for each entry of the batch; ``==`` compares with coefficients.
+    ``bool(q)`` is False for zero only; a batch has no truth value.
 
     Examples
     --------
@@ -51,10 +61,11 @@ class DualQuaternion:
 
     __slots__ = ("_components",)
     __array_ufunc__ = None  # arrays leave mixed operations to this class
-    __hash__ = None
+    __hash__ = None  # type: ignore[assignment]
+    _components: np.ndarray
 
-    def __init__(self, coeffs):
-        array = as_scalars(coeffs)
+    def __init__(self, coeffs: DualQuaternion | Sequence[DualQuaternion] | ArrayLike):
+        array = _coefficients(coeffs)
         if array.ndim == 0 or array.shape[-1] != 8:
             raise ValueError(f"expected coefficients of shape (..., 8), got {array.shape}")
         components = np.ascontiguousarray(np.moveaxis(array, -1, 0))
@@ -62,15 +73,21 @@ class DualQuaternion:
         self._components = components
 
     @classmethod
-    def from_components(cls, components: np.ndarray) -> DualQuaternion:
-        """Wrap an array with the eight components first, shape (8, ...), without copying it."""
-        self = object.__new__(cls)
-        components.setflags(write=False)
-        self._components = components
-        return self
+    def from_components(cls, components: ArrayLike) -> DualQuaternion:
+        """The dual quaternion of an array with the eight components first, shape (8, ...).
+
+        Examples
+        --------
+        >>> DualQuaternion.from_components(np.eye(8)).shape
+        (8,)
+        """
+        array = as_scalars(components)
+        if array.ndim == 0 or len(array) != 8:
+            raise ValueError(f"expected components of shape (8, ...), got {array.shape}")
+        return wrap(array)
 
     @classmethod
-    def stack(cls, items, axis: int = 0) -> DualQuaternion:
+    def stack(cls, items: Iterable[DualQuaternion], axis: int = 0) -> DualQuaternion:
         """Join dual quaternions of one batch shape along a new batch axis.
 
         Examples
@@ -78,8 +95,11 @@ class DualQuaternion:
         >>> DualQuaternion.stack([i, j, k]).shape
         (3,)
         """
+        items = [as_dual_quaternion(item) for item in items]
+        if not items:
+            raise ValueError("expected at least one dual quaternion to stack")
         coeffs = np.broadcast_arrays(*promote(*[item.coeffs for item in items]))
-        return cls.from_components(np.moveaxis(np.stack(coeffs, axis=axis if axis >= 0 else axis - 1), -1, 0))
+        return wrap(np.moveaxis(np.stack(coeffs, axis=axis if axis >= 0 else axis - 1), -1, 0))
 
     @property
     def components(self) -> np.ndarray:
@@ -97,38 +117,34 @@ class DualQuaternion:
         return self._components.shape[1:]
 
     @property
-    def scalar_part(self):
+    def scalar_part(self) -> Any:
         """The coefficient of 1, shape (...)."""
         return self._components[0]
 
     @property
     def primal(self) -> DualQuaternion:
         """The quaternion p of q = p + εd."""
-        return self._from_halves(self._components[:4], np.zeros_like(self._components[4:]))
+        return wrap(np.concatenate((self._components[:4], np.zeros_like(self._components[4:]))))
 
     @property
     def dual(self) -> DualQuaternion:
         """The quaternion d of q = p + εd."""
-        return self._from_halves(self._components[4:], np.zeros_like(self._components[4:]))
-
-    @classmethod
-    def _from_halves(cls, primal, dual) -> DualQuaternion:
-        return cls.from_components(np.concatenate((primal, dual)))
+        return wrap(np.concatenate((self._components[4:], np.zeros_like(self._components[4:]))))
 
     def conjugate(self) -> DualQuaternion:
         """q̄ = p̄ + εd̄: the signs of i, j and k change."""
-        return self.from_components(_signed(self._components, (1, -1, -1, -1, 1, -1, -1, -1)))
+        return wrap(_signed(self._components, (1, -1, -1, -1, 1, -1, -1, -1)))
 
     def eps_conjugate(self) -> DualQuaternion:
         """p − εd: the sign of ε changes."""
-        return self.from_components(_signed(self._components, (1, 1, 1, 1, -1, -1, -1, -1)))
+        return wrap(_signed(self._components, (1, 1, 1, 1, -1, -1, -1, -1)))
 
     def norm(self) -> DualQuaternion:
         """The dual number q q̄ = p p̄ + ε(p d̄ + d p̄); never its root."""
         p, d = self._components[:4], self._components[4:]
         norm = np.zeros_like(self._components)
         norm[0], norm[4] = (p * p).sum(axis=0), 2 * (p * d).sum(axis=0)
-        return self.from_components(norm)
+        return wrap(norm)
 
     def inverse(self) -> DualQuaternion:
         """q⁻¹ = q̄ / (q q̄).
@@ -153,9 +169,9 @@ class DualQuaternion:
         real, dual = np.asarray(real), np.asarray(dual)
         components = np.zeros((8, *real.shape), dtype=np.result_type(real, dual))
         components[0], components[4] = real, dual
-        return cls.from_components(components)
+        return wrap(components)
 
-    def astype(self, dtype) -> DualQuaternion:
+    def astype(self, dtype: DTypeLike) -> DualQuaternion:
         """The same value with coefficients of another kind, such as ``float``.
 
         Examples
@@ -163,9 +179,12 @@ class DualQuaternion:
         >>> (i / 3).astype(float).coeffs[1].round(6)
         np.float64(0.333333)
         """
-        return self.from_components(np.array(self._components, dtype=dtype))
+        components = self._components
+        if np.dtype(dtype).kind in "fc":
+            components = as_float(components)
+        return wrap(np.array(components, dtype=dtype))
 
-    def map(self, function) -> DualQuaternion:
+    def map(self, function: Callable[[Any], Any]) -> DualQuaternion:
         """The same dual quaternion with a function applied to each coefficient, such as ``sympy.expand``.
 
         Examples
@@ -177,78 +196,114 @@ class DualQuaternion:
         """
         return DualQuaternion(np.frompyfunc(function, 1, 1)(self.coeffs.astype(object)))
 
-    def __add__(self, other) -> DualQuaternion:
+    def __array__(self, dtype: DTypeLike | None = None, copy: bool | None = None) -> np.ndarray:
+        """The coefficients, as NumPy asks for them."""
+        return np.array(self.coeffs, dtype=dtype) if copy else np.asarray(self.coeffs, dtype=dtype)
+
+    def __add__(self, other: DualQuaternion | ArrayLike) -> DualQuaternion:
         if isinstance(other, DualQuaternion):
-            return self.from_components(_aligned_sum(self._components, other._components))
+            return wrap(_aligned_sum(self._components, other._components))
         if not is_scalar(other):
             return NotImplemented
-        return self + _embedded(other)
+        return self + _embedded(other, self._components)
+
+    def __pos__(self) -> DualQuaternion:
+        return self
 
     def __neg__(self) -> DualQuaternion:
-        return self.from_components(-self._components)
+        return wrap(-self._components)
 
-    def __sub__(self, other) -> DualQuaternion:
+    def __sub__(self, other: DualQuaternion | ArrayLike) -> DualQuaternion:
         if isinstance(other, DualQuaternion):
-            return self.from_components(_aligned_sum(self._components, -other._components))
+            return wrap(_aligned_sum(self._components, -other._components))
         if not is_scalar(other):
             return NotImplemented
-        return self - _embedded(other)
+        return self - _embedded(other, self._components)
 
-    def __rsub__(self, other) -> DualQuaternion:
-        return _embedded(other) - self
+    def __rsub__(self, other: ArrayLike) -> DualQuaternion:
+        return _embedded(other, self._components) - self
 
-    def __mul__(self, other) -> DualQuaternion:
+    def __mul__(self, other: DualQuaternion | ArrayLike) -> DualQuaternion:
         if isinstance(other, DualQuaternion):
-            return self.from_components(_product(self._components, other._components))
+            return wrap(_product(self._components, other._components))
+        if _takes_the_precision_of(self._components, other):
+            return wrap(self._components * other)
         if not is_scalar(other):
             return NotImplemented
-        return self.from_components(_scaled(self._components, as_scalars(other)))
+        return wrap(_scaled(self._components, as_scalars(other)))
 
-    def __rmul__(self, scalar) -> DualQuaternion:
+    def __rmul__(self, scalar: ArrayLike) -> DualQuaternion:
         return self * scalar  # a scalar commutes with everything; dual quaternions never come here
 
     __radd__ = __add__
 
-    def __truediv__(self, other) -> DualQuaternion:
+    def __truediv__(self, other: DualQuaternion | ArrayLike) -> DualQuaternion:
         if isinstance(other, DualQuaternion):
             return self * other.inverse()
         if not is_scalar(other):
             return NotImplemented
+        if _takes_the_precision_of(self._components, other) and other:
+            return wrap(self._components / other)
         scalar = as_scalars(other)
         components = self._components if scalar.ndim == 0 else _aligned(self._components, scalar[None])
-        return self.from_components(divide(*components) if scalar.ndim else divide(components, scalar[()]))
+        return wrap(divide(*components) if scalar.ndim else divide(components, scalar[()]))
 
-    def __rtruediv__(self, scalar) -> DualQuaternion:
+    def __rtruediv__(self, scalar: ArrayLike) -> DualQuaternion:
         return self.inverse() * scalar
 
     def __pow__(self, exponent: int) -> DualQuaternion:
+        if not isinstance(exponent, (int, np.integer)):
+            raise TypeError(f"expected a whole number as exponent, got {exponent!r}")
         base = self.inverse() if exponent < 0 else self
-        return math.prod([base] * abs(exponent), start=one)
+        return math.prod([base] * abs(int(exponent)), start=one)
 
-    def __eq__(self, other):
-        """Whether all coefficients agree (not: whether the points of P⁷ do); one answer a batch entry."""
+    def __bool__(self) -> bool:
+        """Whether a single dual quaternion is not zero."""
+        if self.shape:
+            raise ValueError(f"a batch of shape {self.shape} has no truth value: compare its entries, as in q != 0")
+        return not np.all(is_zero(self._components, rtol=0))
+
+    def __eq__(self, other: object) -> Any:
+        """Whether all coefficients agree (not: whether the points of P⁷ do); one answer a batch entry.
+
+        An array is read as coefficients, shape (..., 8); a single number is compared as one.
+        """
+        if isinstance(other, (np.ndarray, list, tuple)) and np.ndim(other):
+            try:
+                other = DualQuaternion(other)
+            except (TypeError, ValueError):
+                return NotImplemented
         if not isinstance(other, DualQuaternion) and not is_scalar(other):
             return NotImplemented
         try:
-            difference = self - other
+            difference = self - other  # type: ignore[operator]
         except TypeError:
             return NotImplemented
         equal = np.asarray(is_zero(difference._components, rtol=0)).all(axis=0)
         return bool(equal) if difference.shape == () else equal
 
-    def __ne__(self, other):
+    def __ne__(self, other: object) -> Any:
         equal = self == other
         return ~equal if isinstance(equal, np.ndarray) else not equal
+
+    def __copy__(self) -> DualQuaternion:
+        return self  # its value never changes
+
+    def __deepcopy__(self, memo: Any) -> DualQuaternion:
+        return self
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return wrap, (self._components,)  # read-only again after pickling
 
     def __len__(self) -> int:
         if not self.shape:
             raise TypeError("a single dual quaternion has no length; its coefficients are in .coeffs")
         return self.shape[0]
 
-    def __getitem__(self, index) -> DualQuaternion:
+    def __getitem__(self, index: Any) -> DualQuaternion:
         """Entries of the batch, indexed as an array of shape ``self.shape``."""
         index = index if isinstance(index, tuple) else (index,)
-        return self.from_components(np.array(self._components[(slice(None), *index)]))
+        return wrap(np.array(self._components[(slice(None), *index)]))
 
     def __iter__(self) -> Iterator[DualQuaternion]:
         return (self[n] for n in range(len(self)))
@@ -260,7 +315,7 @@ class DualQuaternion:
         return " + ".join(terms).replace("+ -", "- ") or "0"
 
 
-def study_form(x: DualQuaternion, y: DualQuaternion):
+def study_form(x: DualQuaternion, y: DualQuaternion) -> Any:
     """The Study form b(x, y), shape (...); batches broadcast.
 
     Examples
@@ -268,20 +323,26 @@ def study_form(x: DualQuaternion, y: DualQuaternion):
     >>> int(study_form(i, j - eps * i))       # two skew lines, one apart and at right angles
     -1
     """
-    (p0, p1, p2, p3, d0, d1, d2, d3), (r0, r1, r2, r3, e0, e1, e2, e3) = x.components, y.components
+    (p0, p1, p2, p3, d0, d1, d2, d3), (r0, r1, r2, r3, e0, e1, e2, e3) = _components_of(x, y)
     return p0 * e0 + p1 * e1 + p2 * e2 + p3 * e3 + d0 * r0 + d1 * r1 + d2 * r2 + d3 * r3
 
 
-def null_form(x: DualQuaternion, y: DualQuaternion):
-    """The null form ⟨x, y⟩ of the primal parts, shape (...); batches broadcast."""
-    (p0, p1, p2, p3), (r0, r1, r2, r3) = x.components[:4], y.components[:4]
+def null_form(x: DualQuaternion, y: DualQuaternion) -> Any:
+    """The null form ⟨x, y⟩ of the primal parts, shape (...); batches broadcast.
+
+    Examples
+    --------
+    >>> int(null_form(1 + 2 * i + eps, 3 + j))
+    3
+    """
+    (p0, p1, p2, p3, *_), (r0, r1, r2, r3, *_) = _components_of(x, y)
     return p0 * r0 + p1 * r1 + p2 * r2 + p3 * r3
 
 
 def eps_times(q: DualQuaternion) -> DualQuaternion:
     """The product εq, which moves the primal part to the dual part."""
-    p = q.components[:4]
-    return DualQuaternion.from_components(np.concatenate((np.zeros_like(p), p)))
+    p = as_dual_quaternion(q).components[:4]
+    return wrap(np.concatenate((np.zeros_like(p), p)))
 
 
 def primal_size(q: DualQuaternion) -> Any:
@@ -292,25 +353,71 @@ def primal_size(q: DualQuaternion) -> Any:
     >>> primal_size(3 * i - 4 * k + 7 * eps), dual_size(3 * i - 4 * k + 7 * eps)
     (4.0, 7.0)
     """
-    return _size(q.components[:4])
+    return _size(as_dual_quaternion(q).components[:4])
 
 
 def dual_size(q: DualQuaternion) -> Any:
     """How large the dual part is: the largest absolute value of its four coefficients, a float, shape (...)."""
-    return _size(q.components[4:])
+    return _size(as_dual_quaternion(q).components[4:])
+
+
+def _components_of(x: DualQuaternion, y: DualQuaternion) -> tuple[np.ndarray, np.ndarray]:
+    try:
+        return x.components, y.components
+    except AttributeError:
+        return as_dual_quaternion(x).components, as_dual_quaternion(y).components
 
 
 def _size(components: np.ndarray) -> Any:
     return size(components, 0 if components.ndim > 1 else None)
 
 
-def _term(coefficient, unit: str) -> str:
-    text = f"{coefficient:.6g}" if isinstance(coefficient, float) else str(coefficient)
+def wrap(components: np.ndarray) -> DualQuaternion:
+    """The dual quaternion of an array with the eight components first, shape (8, ...), without a copy or a check.
+
+    For formulas that have just made the array, of numbers as :func:`~kinlib.scalar.as_scalars` stores them: it can
+    no longer be written to.
+    """
+    self = object.__new__(DualQuaternion)
+    components.setflags(write=False)
+    self._components = components
+    return self
+
+
+def as_dual_quaternion(x: Any, what: str = "a dual quaternion") -> DualQuaternion:
+    """The dual quaternion x itself; an error for everything else."""
+    if isinstance(x, DualQuaternion):
+        return x
+    raise TypeError(
+        f"expected {what}, got {type(x).__name__}: DualQuaternion(x) takes coefficients, from_matrix(x) a 4×4 matrix, "
+        "half_turn(x) a line"
+    )
+
+
+def _coefficients(x: Any) -> np.ndarray:
+    if isinstance(x, DualQuaternion):
+        return x.coeffs
+    if isinstance(x, (list, tuple)) and x and all(isinstance(item, DualQuaternion) for item in x):
+        return DualQuaternion.stack(x).coeffs
+    return as_scalars(x)
+
+
+def _term(coefficient: Any, unit: str) -> str:
+    text = _number(coefficient)
     if not unit:
         return text
     if text in ("1", "-1"):
         return text.replace("1", unit)
     return f"({text}) {unit}" if _is_sum(text) else f"{text} {unit}"
+
+
+def _number(x: Any) -> str:
+    """A number to six digits; exact ones whole."""
+    if isinstance(x, float):
+        return f"{x:.6g}"
+    if isinstance(x, complex):
+        return f"({x:.6g})" if x.real else f"{x.imag:.6g}j"
+    return str(x)
 
 
 def _is_sum(text: str) -> bool:
@@ -319,12 +426,18 @@ def _is_sum(text: str) -> bool:
     return any(depth == 0 and c == " " for c, depth in zip(text, depths, strict=True))
 
 
-def _embedded(scalar) -> DualQuaternion:
-    """A scalar, or an array of scalars, as dual quaternions."""
-    array = as_scalars(scalar)
+def _takes_the_precision_of(components: np.ndarray, x: Any) -> bool:
+    """Whether x is a number of Python that NumPy multiplies in the precision of the components, be it single."""
+    kind = type(x)
+    return components.dtype.kind in "fc" and (kind is float or (kind is int and abs(x) < 2**1023))
+
+
+def _embedded(scalar: Any, company: np.ndarray) -> DualQuaternion:
+    """A scalar, or an array of scalars, as dual quaternions in the precision of the company."""
+    array = np.array(scalar, dtype=company.dtype) if _takes_the_precision_of(company, scalar) else as_scalars(scalar)
     components = np.zeros((8, *array.shape), dtype=array.dtype)
     components[0] = array
-    return DualQuaternion.from_components(components)
+    return wrap(components)
 
 
 def _signed(components: np.ndarray, signs) -> np.ndarray:
@@ -411,5 +524,5 @@ def _flat(x: np.ndarray, shape: tuple[int, ...], total: int) -> np.ndarray:
     return x.reshape(len(x), total)
 
 
-one, i, j, k, eps = (DualQuaternion(row) for row in np.eye(8, dtype=int)[[0, 1, 2, 3, 4]])
+one, i, j, k, eps = (DualQuaternion(row) for row in np.eye(8, dtype=int)[:5])
 """One of the five from which all others are made, with whole coefficients."""

@@ -7,14 +7,21 @@ and fractions, so that it can be a coefficient like any other.
 from __future__ import annotations
 
 import math
+from collections.abc import Callable, Sequence
 from fractions import Fraction
-from functools import cached_property, total_ordering
+from functools import cached_property
 from numbers import Rational
+from operator import ge, gt, le, lt
 from typing import Any
 
 import numpy as np
 
+from kinlib.scalar import ArrayLike, ScalarLike, as_scalars, plain
+
 __all__ = ["NumberField", "NumberFieldElement", "square_root"]
+
+DIGITS = 25
+"""To how many digits a number is first computed where its sign or its nearest float is asked."""
 
 
 class NumberField:
@@ -35,40 +42,49 @@ class NumberField:
     ℚ(a), a = 1.41421 a root of a**2 - 2
     """
 
-    def __init__(self, root):
+    def __init__(self, root: Any):
         from sympy import QQ
 
-        self.root = root
-        self.domain = QQ.algebraic_field(root)
+        self.root = _real_algebraic(root)
+        self.domain = QQ.algebraic_field(self.root)
 
     @property
     def degree(self) -> int:
         """The dimension of ℚ(a) over ℚ."""
-        return self.domain.mod.degree()
+        return int(self.domain.mod.degree())
 
     @property
     def generator(self) -> NumberFieldElement:
         """The element a."""
         return self.element([1, 0])
 
-    def element(self, coefficients) -> NumberFieldElement:
-        """The polynomial in a with these rational coefficients, highest power first."""
-        return NumberFieldElement(self, self.domain([_rational(c) for c in coefficients]))
+    def element(self, coefficients: Sequence[ScalarLike]) -> NumberFieldElement:
+        """The polynomial in a with these rational coefficients, highest power first.
+
+        Examples
+        --------
+        >>> import sympy
+        >>> NumberField(sympy.sqrt(2)).element([1, 0, 0])
+        2
+        """
+        value = self.domain([_rational(c) for c in coefficients])
+        return NumberFieldElement(self, self.domain.one * value)  # the product is reduced
 
     @cached_property
-    def _digits(self) -> dict:
+    def _bounds(self) -> dict[int, tuple[int, int]]:
         return {}
 
-    def root_to(self, digits: int):
-        """The number a to so many digits."""
-        if digits not in self._digits:
-            self._digits[digits] = self.root.evalf(digits)
-        return self._digits[digits]
+    def root_within(self, digits: int) -> tuple[int, int]:
+        """The number a in units of 10^−digits, rounded, and how far off that may be."""
+        if digits not in self._bounds:
+            near = _rational_near(self.root, digits + 10)
+            self._bounds[digits] = round(near * 10**digits), 1 + int(abs(near))
+        return self._bounds[digits]
 
     def __reduce__(self):
         return NumberField, (self.root,)
 
-    def __eq__(self, other) -> bool:
+    def __eq__(self, other: object) -> bool:
         return isinstance(other, NumberField) and self.root == other.root
 
     def __hash__(self) -> int:
@@ -81,13 +97,34 @@ class NumberField:
         return f"ℚ(a), a = {float(self.root):.6g} a root of {minimal.as_expr()}"
 
 
+def _real_algebraic(root):
+    from sympy import Expr, sympify
+
+    root = sympify(root) if isinstance(root, (int, Fraction)) else root
+    if not isinstance(root, Expr):
+        raise TypeError(f"expected a real algebraic number of SymPy, such as sqrt(2), got {root!r}")
+    if root.free_symbols or not (root.is_algebraic and root.is_real):
+        raise ValueError(f"expected a real algebraic number, got {root}")
+    return root
+
+
+def _rational_near(root, digits: int) -> Fraction:
+    """A number of SymPy to so many significant digits, as a fraction."""
+    from sympy import Rational as Exact
+
+    near = Exact(root.evalf(digits))
+    return Fraction(int(near.p), int(near.q))
+
+
 def _rational(x):
     from sympy import QQ
 
+    x = int(x) if isinstance(x, (int, np.bool_)) else plain(x)
+    if not isinstance(x, Rational):
+        raise TypeError(f"expected whole numbers and fractions, got {x!r}")
     return QQ(int(x.numerator), int(x.denominator))
 
 
-@total_ordering
 class NumberFieldElement:
     """A number of ℚ(a); integers and fractions mix with it exactly.
 
@@ -143,10 +180,14 @@ class NumberFieldElement:
 
     __radd__, __rmul__ = __add__, __mul__
 
-    def __pow__(self, exponent: int):
+    def __pow__(self, exponent: int) -> Any:
+        if isinstance(exponent, float):
+            return float(self) ** exponent
+        if not isinstance(exponent, (int, np.integer)):
+            return NotImplemented
         if exponent < 0:
-            return 1 / self**-exponent
-        return NumberFieldElement(self.field, self.value**exponent)
+            return 1 / self ** -int(exponent)
+        return NumberFieldElement(self.field, self.value ** int(exponent))
 
     def __pos__(self):
         return self
@@ -160,21 +201,49 @@ class NumberFieldElement:
     def __bool__(self) -> bool:
         return bool(self.value)
 
-    def __eq__(self, other) -> bool:
+    def __eq__(self, other: object) -> Any:
+        """Whether two numbers are equal, exactly: floats are taken at their exact value."""
         if isinstance(other, NumberFieldElement) and other.field != self.field:
-            return bool(self.as_sympy().equals(other.as_sympy()))
+            return _equal_across_fields(self, other)
+        if isinstance(other, (float, complex)):
+            return _is_fraction_of(self, other)
         difference = self._operate(other, lambda x, y: x - y)
         if difference is NotImplemented:
             return NotImplemented
-        return not difference if isinstance(difference, NumberFieldElement) else difference == 0
+        return not difference if isinstance(difference, NumberFieldElement) else bool(difference == 0)
 
-    def __lt__(self, other) -> bool:
-        if isinstance(other, NumberFieldElement) and other.field != self.field:
-            return float(self) < float(other)
-        return float(self - other) < 0
+    def _compare(self, other: Any, relation: Callable[[Any, Any], bool]) -> Any:
+        """The order of the real numbers, exactly; floats are taken at their exact value."""
+        if hasattr(other, "free_symbols"):
+            return bool(relation(self.as_sympy(), other))
+        if isinstance(other, float):
+            if not math.isfinite(other):
+                return relation(0.0, other)
+            other = Fraction(other)
+        if not isinstance(other, (NumberFieldElement, Rational, np.integer)):
+            return NotImplemented
+        return relation(_order(self, other), 0)
+
+    def __lt__(self, other: Any) -> Any:
+        return self._compare(other, lt)
+
+    def __le__(self, other: Any) -> Any:
+        return self._compare(other, le)
+
+    def __gt__(self, other: Any) -> Any:
+        return self._compare(other, gt)
+
+    def __ge__(self, other: Any) -> Any:
+        return self._compare(other, ge)
 
     def __hash__(self) -> int:
-        return hash(tuple(self.coefficients)) if len(self.coefficients) > 1 else hash(self.coefficients[0])
+        """That of the nearest float, which is the same for equal numbers of different fields."""
+        if len(self.coefficients) == 1:
+            return hash(self.coefficients[0])
+        try:
+            return hash(float(self))
+        except OverflowError:
+            return hash(math.inf if self > 0 else -math.inf)
 
     @property
     def coefficients(self) -> list[Fraction]:
@@ -184,26 +253,34 @@ class NumberFieldElement:
     def __reduce__(self):
         return NumberField.element, (self.field, self.coefficients)
 
-    def as_sympy(self):
+    def as_sympy(self) -> Any:
         """The same number as a SymPy expression."""
         return self.field.domain.to_sympy(self.value)
 
     _sympy_ = as_sympy  # so that SymPy mixes with these numbers exactly, not through floats
 
-    def _to(self, digits: int):
-        from sympy import Float
-
-        root, total = self.field.root_to(digits), Float(0, digits)
-        for c in self.coefficients:
-            total = total * root + Float(c.numerator, digits) / c.denominator
-        return total
+    def within(self, digits: int) -> tuple[int, int, int]:
+        """Whole numbers v, e, u: this number is v / u up to an error of e / u, with a to so many digits."""
+        root, error = self.field.root_within(digits)
+        coefficients, largest = self.coefficients, abs(root) + error
+        unit, power = math.lcm(*(c.denominator for c in coefficients)), 1
+        value = slope = bound = 0
+        for n, c in enumerate(coefficients):  # Horner's rule for the polynomial, and for a bound of its derivative
+            power = 10 ** (digits * n)
+            term = int(c * unit) * power
+            slope, bound, value = slope * largest + bound, bound * largest + abs(term), value * root + term
+        return value, slope * error, unit * power
 
     def __float__(self) -> float:
-        digits = 30
-        while True:  # cancellation may eat digits: go on until twice as many change nothing
-            coarse, fine = float(self._to(digits)), float(self._to(2 * digits))
-            if not self or (fine != 0 and abs(coarse - fine) <= 1e-16 * abs(fine)):
-                return fine if self else 0.0
+        """The nearest float."""
+        if len(self.coefficients) == 1:
+            return _ratio(*self.coefficients[0].as_integer_ratio())
+        digits = DIGITS
+        while True:  # cancellation may eat digits
+            value, error, unit = self.within(digits)
+            low, high = _ratio(value - error, unit), _ratio(value + error, unit)
+            if low == high:
+                return low
             digits *= 2
 
     def __complex__(self) -> complex:
@@ -215,6 +292,49 @@ class NumberFieldElement:
         return " + ".join(terms[::-1]).replace("+ -", "- ") or "0"
 
 
+def _ratio(numerator: int, denominator: int) -> float:
+    """The nearest float to a fraction."""
+    try:
+        return numerator / denominator
+    except OverflowError:
+        raise OverflowError("the number is too large for a float (the largest is about 1.8e308)") from None
+
+
+def _is_fraction_of(x: NumberFieldElement, y: float | complex) -> bool:
+    """Whether a number is that float: an irrational one never is."""
+    real, imaginary = (y.real, y.imag) if isinstance(y, complex) else (y, 0.0)
+    return imaginary == 0 and math.isfinite(real) and not x - Fraction(real)
+
+
+def _order(x: NumberFieldElement, y: Any) -> int:
+    """The sign of x − y, by ever better fractions near both; equal numbers are found without them."""
+    if x == y:
+        return 0
+    digits = DIGITS
+    while True:
+        (u, u_error, p), (v, v_error, q) = x.within(digits), _within(y, digits)
+        difference = u * q - v * p
+        if abs(difference) > u_error * q + v_error * p:
+            return 1 if difference > 0 else -1
+        digits *= 2
+
+
+def _within(x: Any, digits: int) -> tuple[int, int, int]:
+    if isinstance(x, NumberFieldElement):
+        return x.within(digits)
+    return int(x.numerator), 0, int(x.denominator)
+
+
+def _equal_across_fields(x: NumberFieldElement, y: NumberFieldElement) -> bool:
+    """Whether numbers of two fields are equal; if their nearest floats are, SymPy has to decide."""
+    if hash(x) != hash(y):
+        return False
+    from sympy import Symbol, minimal_polynomial
+
+    difference, t = x.as_sympy() - y.as_sympy(), Symbol("t")
+    return bool(difference == 0 or minimal_polynomial(difference, t) == t)
+
+
 def _term(coefficient: Fraction, power: int) -> str:
     name = {0: "", 1: "a"}.get(power, f"a**{power}")
     if not name:
@@ -223,17 +343,17 @@ def _term(coefficient: Fraction, power: int) -> str:
     return factor + name
 
 
-def square_root(x) -> Any:
+def square_root(x: ArrayLike) -> Any:
     """The non-negative root of a non-negative number, exact for exact numbers.
 
     Parameters
     ----------
-    x : scalar or array of floats
+    x : scalar or array
         Not negative.
 
     Returns
     -------
-    scalar
+    scalar or numpy.ndarray
         A float for a float; a fraction where x is the square of one, else an element of ℚ(√x); for a number
         of ℚ(a) its root in the same field.
 
@@ -241,25 +361,38 @@ def square_root(x) -> Any:
     ------
     ValueError
         If x is negative, or a number of ℚ(a) that has no root there.
+    TypeError
+        If x is no number.
 
     Examples
     --------
     >>> square_root(Fraction(9, 4)), square_root(2)
     (Fraction(3, 2), a)
     """
-    if isinstance(x, np.ndarray) and x.dtype.kind not in "fc":
-        return np.frompyfunc(square_root, 1, 1)(x.astype(object))
+    if isinstance(x, (float, np.floating)) and x >= 0:
+        return np.sqrt(x)
+    array = as_scalars(x)
+    if array.dtype.kind == "O":
+        return _exact_root(array[()]) if array.ndim == 0 else np.frompyfunc(_exact_root, 1, 1)(array)
+    if array.dtype.kind == "f" and (array < 0).any():
+        raise ValueError(f"a negative number has no real square root: {array[array < 0].flat[0]}")
+    return np.sqrt(array)[()]
+
+
+def _exact_root(x):
     if hasattr(x, "free_symbols"):
         from sympy import sqrt
 
         return sqrt(x)
     if isinstance(x, NumberFieldElement):
+        if x < 0:
+            raise ValueError(f"a negative number has no real square root: {x}")
         return _root_in_field(x)
-    if not np.iscomplexobj(x) and np.any(np.less(x, 0)):
+    if not isinstance(x, Rational):
+        raise TypeError(f"expected a number that has a square root, got {x!r}")
+    if x < 0:
         raise ValueError(f"a negative number has no real square root: {x}")
-    if not isinstance(x, (Rational, np.integer)):
-        return np.sqrt(x)
-    return _rational_root(Fraction(int(x.numerator), int(x.denominator)))
+    return _rational_root(Fraction(x))
 
 
 def _rational_root(x: Fraction):

@@ -3,25 +3,40 @@
 Coefficients are NumPy arrays.  Floats and complex numbers keep their dtype; everything exact lives in object
 arrays: whole numbers as Python integers, which never overflow, ``Fraction``, SymPy expressions, elements of
 number fields and of polynomial rings.
+
+All numbers enter through one door, :func:`as_scalars`.  What is rational becomes a Python integer or a ``Fraction``,
+whichever package it comes from (SymPy, NumPy, ``decimal``, gmpy2), and what is a floating-point number becomes a
+Python float (SymPy's ``Float``, mpmath's ``mpf``: further digits are dropped).  √2, π and symbols of SymPy stay.
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from decimal import Decimal
 from fractions import Fraction
+from numbers import Integral, Rational
 from typing import Any, Protocol, TypeAlias, Union
 
 import numpy as np
 from numpy.typing import NDArray
 
 __all__ = [
-    "RTOL", "ArrayLike", "ScalarLike", "as_float", "as_scalars", "divide", "imaginary_unit", "is_exact", "is_zero",
-    "size",
+    "PARALLEL", "ROUNDING", "RTOL", "RTOL_SINGLE", "ArrayLike", "ScalarLike", "as_float", "as_scalars", "check_finite",
+    "divide", "imaginary_unit", "is_exact", "is_zero", "size",
 ]  # fmt: skip
 
 RTOL = 1e-9
 """What counts as zero in floats, relative to the size of the problem."""
+
+RTOL_SINGLE = 1e-5
+"""The same for numbers in single precision (``float32``, ``complex64``), which have half as many digits."""
+
+ROUNDING = 16 * 2.0**-52
+"""What rounding may leave where numbers of size 1 should cancel."""
+
+PARALLEL = 1e-12
+"""The sine of the angle below which two directions in floats count as parallel."""
 
 
 class Algebraic(Protocol):
@@ -43,7 +58,7 @@ ArrayLike: TypeAlias = NDArray[Any] | Sequence[Any] | ScalarLike
 """Numbers of any kind, any shape: an array, nested sequences, or a single one."""
 
 
-def as_scalars(values) -> np.ndarray:
+def as_scalars(values: ArrayLike) -> np.ndarray:
     """Store numbers as an array without losing exactness.
 
     Parameters
@@ -65,17 +80,32 @@ def as_scalars(values) -> np.ndarray:
     --------
     >>> [as_scalars(row).dtype.kind for row in ([1, 2], [Fraction(1, 2), 2], [2**80, 1], [0.5, 1])]
     ['O', 'O', 'O', 'f']
+    >>> import sympy
+    >>> as_scalars([sympy.Rational(1, 2), sympy.Integer(2), sympy.sqrt(2)]).tolist()
+    [Fraction(1, 2), 2, sqrt(2)]
     """
+    if not isinstance(values, np.ndarray):
+        _refuse_algebras(values)
     array = np.array(values)
-    if array.dtype.kind == "f" and isinstance(values, (list, tuple)):
+    kind = array.dtype.kind
+    if kind == "f" and isinstance(values, (list, tuple)):
         array = _rescue_large_integers(values, array)
-    if array.dtype.kind in "biu":
-        return (array.astype(int) if array.dtype.kind == "b" else array).astype(object)
-    if array.dtype.kind == "O":
+        kind = array.dtype.kind
+    if kind in "biu":
+        return (array.astype(int) if kind == "b" else array).astype(object)
+    if kind == "O":
         return _plain_objects(array)
-    if array.dtype.kind not in "fc":
+    if kind not in "fc":
         raise TypeError(f"expected numbers, got an array of {array.dtype}")
     return array
+
+
+def _refuse_algebras(values) -> None:
+    """Dual quaternions and their like are no scalars, although NumPy could read their coefficients."""
+    while isinstance(values, (list, tuple)) and values:
+        values = values[0]
+    if not is_scalar(values):
+        raise TypeError(f"expected numbers, got {type(values).__name__} {values!r}")
 
 
 def _rescue_large_integers(values, array: np.ndarray) -> np.ndarray:
@@ -85,10 +115,10 @@ def _rescue_large_integers(values, array: np.ndarray) -> np.ndarray:
     return objects if whole and objects.size else array
 
 
-_NOT_NUMBERS = {type(None), bool, str, bytes, list, tuple, dict, set, object}
+_ARITHMETIC = ("__add__", "__mul__", "__neg__")
 
 
-def is_scalar(x) -> bool:
+def is_scalar(x: Any) -> bool:
     """Whether x may be a number or an array of numbers, and not one of the algebras built on them.
 
     Those ask NumPy to leave operations to them, by the attribute ``__array_ufunc__ = None``.
@@ -97,13 +127,50 @@ def is_scalar(x) -> bool:
 
 
 def _plain_objects(array: np.ndarray) -> np.ndarray:
-    """Python's numbers in place of NumPy's inside an object array; anything but numbers is refused."""
+    """Python's numbers in place of those of other packages; anything but numbers is refused."""
     for index, x in np.ndenumerate(array):
-        if isinstance(x, np.generic):
-            array[index] = x.item()
-        elif type(x) in _NOT_NUMBERS or not is_scalar(x):
-            raise TypeError(f"expected numbers, got {x!r}")
+        if type(x) is not int and type(x) is not Fraction:
+            array[index] = plain(x)
     return array if is_exact(array) else _float_or_same(array)
+
+
+def plain(x: Any) -> Any:
+    """A number as Python writes it, where Python can: rational ones exactly, floating-point ones as floats.
+
+    Examples
+    --------
+    >>> plain(np.int64(3)), plain(Decimal("0.1"))
+    (3, Fraction(1, 10))
+    """
+    if isinstance(x, np.generic):
+        x = x.item()
+    if isinstance(x, (int, Fraction, float, complex)) and not isinstance(x, bool):
+        return x
+    if isinstance(x, Integral) and not isinstance(x, bool):
+        return int(x)
+    if isinstance(x, Rational) and not isinstance(x, bool):
+        return Fraction(int(x.numerator), int(x.denominator))
+    if isinstance(x, Decimal):
+        return Fraction(x) if x.is_finite() else float(x)
+    if hasattr(x, "free_symbols"):
+        return _plain_expression(x)
+    if hasattr(x, "_mpf_") or hasattr(x, "_mpc_"):  # of mpmath
+        return float(x) if hasattr(x, "_mpf_") else complex(x)
+    if isinstance(x, bool) or not is_scalar(x) or not all(hasattr(x, name) for name in _ARITHMETIC):
+        raise TypeError(f"expected numbers, got {x!r}")
+    return x
+
+
+def _plain_expression(x):
+    """An expression of SymPy; if it has floating-point numbers in it and no symbol, a float."""
+    from sympy import Expr, Float, S
+
+    if not isinstance(x, Expr):  # a matrix, a set
+        raise TypeError(f"expected numbers, got {x!r}")
+    if not x.is_number or not x.has(Float, S.NaN, S.Infinity, S.NegativeInfinity, S.ComplexInfinity):
+        return x
+    value = complex(x)
+    return value.real if value.imag == 0 else value
 
 
 def _float_or_same(array: np.ndarray) -> np.ndarray:
@@ -137,7 +204,7 @@ def is_exact(array: np.ndarray) -> bool:
     return array.dtype.kind not in "fc"
 
 
-def divide(numerator, denominator) -> Any:
+def divide(numerator: ArrayLike, denominator: ArrayLike) -> Any:
     """The quotient, exact for exact numbers: whole numbers give fractions, never floats.
 
     Examples
@@ -163,7 +230,7 @@ def _exact_quotient(x, y):
 _quotient = np.frompyfunc(_exact_quotient, 2, 1)
 
 
-def is_zero(values, scale=1.0, rtol: float = RTOL):
+def is_zero(values: ArrayLike, scale: ArrayLike = 1.0, rtol: float = RTOL) -> Any:
     """Whether numbers vanish: exact ones exactly, floats up to ``rtol * scale``.
 
     SymPy expressions are expanded, so a polynomial identity is recognised; with sines and cosines they are simplified.
@@ -175,12 +242,13 @@ def is_zero(values, scale=1.0, rtol: float = RTOL):
     scale : array_like
         The size that floats are compared with.
     rtol : float
-        The relative tolerance for floats.
+        The relative tolerance for floats; not below :data:`RTOL_SINGLE` for numbers in single precision, but for
+        ``rtol=0``, which asks for exact zeros.
 
     Returns
     -------
     bool or numpy.ndarray of bool
-        One answer an entry.
+        One answer an entry; False for NaN.
 
     Examples
     --------
@@ -194,8 +262,16 @@ def is_zero(values, scale=1.0, rtol: float = RTOL):
         with np.errstate(invalid="ignore"):
             answers = _object_is_zero(array, scale, rtol)
         return bool(answers) if array.ndim == 0 else np.asarray(answers).astype(bool)
-    answers = array == 0 if array.dtype.kind in "biu" else np.abs(array) <= rtol * np.asarray(scale)
+    if array.dtype.kind in "biu":
+        answers = array == 0
+    else:
+        answers = np.abs(array) <= own_precision(array, rtol) * np.asarray(scale)
     return bool(answers) if np.ndim(answers) == 0 else answers
+
+
+def own_precision(array: np.ndarray, rtol: float) -> float:
+    """The tolerance that an array can be held to: numbers in single precision are judged by their own."""
+    return max(rtol, RTOL_SINGLE) if rtol and array.dtype in (np.float32, np.complex64, np.float16) else rtol
 
 
 def _object_zero(x, scale, rtol) -> bool:
@@ -217,7 +293,7 @@ def _object_zero(x, scale, rtol) -> bool:
 _object_is_zero = np.frompyfunc(_object_zero, 3, 1)
 
 
-def size(values, axis=None) -> float | np.ndarray:
+def size(values: ArrayLike, axis: int | tuple[int, ...] | None = None) -> Any:
     """The largest absolute value as a float, along an axis if one is given; a symbol counts as 1.
 
     Examples
@@ -235,12 +311,19 @@ def size(values, axis=None) -> float | np.ndarray:
 def _absolute(x) -> float:
     try:
         return abs(complex(x))
+    except OverflowError:  # an exact number beyond all floats
+        return math.inf
     except TypeError:  # a symbol, or an element of a polynomial ring
         return 1.0
 
 
-def as_float(values) -> np.ndarray:
+def as_float(values: ArrayLike) -> np.ndarray:
     """The nearest floats (complex ones where a number is not real).
+
+    Raises
+    ------
+    OverflowError
+        If a number is too large for a float.
 
     Examples
     --------
@@ -254,9 +337,80 @@ def as_float(values) -> np.ndarray:
         return array.astype(float)
     except TypeError:
         return array.astype(complex)
+    except OverflowError:
+        raise OverflowError("an exact number is too large for a float (the largest is about 1.8e308)") from None
 
 
-def imaginary_unit(array: np.ndarray):
+def as_vectors(values: ArrayLike, what: str = "vectors") -> np.ndarray:
+    """Points or vectors of space as an array of shape (..., 3), real; a single one must be finite.
+
+    In a batch, rows with NaN or infinity become rows of NaN, so that they stay rows of any result.
+
+    Raises
+    ------
+    TypeError
+        If there is something that is not a number.
+    ValueError
+        If there are not three coordinates, or they are not real, or a single vector is not finite.
+
+    Examples
+    --------
+    >>> as_vectors([1, 2, 3]).tolist()
+    [1, 2, 3]
+    """
+    array = as_scalars(values)
+    if array.shape[-1:] != (3,):
+        raise ValueError(f"expected {what} of shape (..., 3), got shape {array.shape}")
+    if array.dtype.kind == "c":
+        raise ValueError(f"expected real {what}, got complex numbers")
+    return finite_rows(array, what)
+
+
+def finite_rows(array: np.ndarray, what: str, core: int = 1) -> np.ndarray:
+    """The array, if all its numbers are finite; in a batch the other rows become NaN.
+
+    Parameters
+    ----------
+    array : numpy.ndarray
+        It may be changed: give a new one.
+    what : str
+        What the rows are, for the error.
+    core : int
+        How many axes a row has; further axes are the batch.
+
+    Raises
+    ------
+    ValueError
+        If a single row is not finite.
+    """
+    if array.dtype.kind not in "fc" or np.isfinite(array).all():
+        return array
+    if array.ndim == core:
+        raise ValueError(f"expected finite {what}, got NaN or infinity")
+    array[~np.isfinite(array).all(axis=tuple(range(-core, 0)))] = math.nan
+    return array
+
+
+def check_finite(array: np.ndarray, what: str = "numbers") -> None:
+    """Refuse NaN and infinity anywhere.
+
+    Raises
+    ------
+    ValueError
+        If a number is not finite.
+    """
+    if array.dtype.kind in "fc" and not np.isfinite(array).all():
+        raise ValueError(f"expected finite {what}, got NaN or infinity")
+
+
+def read_only(array: np.ndarray) -> np.ndarray:
+    """A copy of an array that cannot be written to."""
+    array = np.array(array)
+    array.setflags(write=False)
+    return array
+
+
+def imaginary_unit(array: np.ndarray) -> Any:
     """√−1 in the company of the given numbers: ``1j`` beside floats, SymPy's ``I`` beside exact numbers.
 
     Examples
@@ -271,7 +425,7 @@ def imaginary_unit(array: np.ndarray):
     return I
 
 
-def is_infinite(t) -> bool:
+def is_infinite(t: Any) -> bool:
     """Whether a single parameter value is the point at infinity (``math.inf`` or SymPy's ``oo``)."""
     if isinstance(t, (float, np.floating)):
         return math.isinf(t)

@@ -4,13 +4,14 @@ import math
 import pickle
 from fractions import Fraction
 
+import mpmath
 import numpy as np
 import pytest
 import sympy
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
-from kinlib import NumberField, NumberFieldElement, quadratic_factors, square_root
+from kinlib import NumberField, NumberFieldElement, i, quadratic_factors, square_root
 from strategies import fractions, whole
 
 x = sympy.Symbol("x")
@@ -136,7 +137,12 @@ def test_two_fields_do_not_mix(operate):
 
 
 def test_equality_reaches_across_fields():
-    assert square_root(8) == 2 * square_root(2)
+    twice = NumberField(2 * sympy.sqrt(2)).generator
+    assert square_root(8) == 2 * square_root(2) == twice
+    assert hash(twice) == hash(2 * a)
+    assert {twice} == {2 * a}
+    assert not twice < 2 * a
+    assert not twice > 2 * a
     assert square_root(2) != square_root(3)
     assert square_root(2) - square_root(2) == square_root(3) - square_root(3)
 
@@ -214,3 +220,94 @@ def test_a_root_outside_the_field_is_refused():
 def test_the_field_of_a_sextic_has_its_degree():
     factor = quadratic_factors([1, 1, 5, 2, 3])[0]
     assert factor[1].field.degree == 6
+
+
+def test_equal_numbers_of_different_fields_have_equal_hashes():
+    both = NumberField(sympy.sqrt(2) + sympy.sqrt(3)).generator
+    assert both**2 == 5 + 2 * square_root(6)
+    assert hash(both**2) == hash(5 + 2 * square_root(6))
+    assert (both**2 - 5) ** 2 == 24
+    assert hash((both**2 - 5) ** 2) == hash(24)
+
+
+def test_elements_are_reduced():
+    assert a.field.element([1, 0, 0]) == 2
+    assert hash(a.field.element([1, 0, 0])) == hash(2)
+    assert FIELDS[1].element([1, 0, 0, 0, 0]) == 2 * FIELDS[1].generator
+
+
+@pytest.mark.parametrize("field", FIELDS)
+@pytest.mark.parametrize("power", [-290, -30, 0, 30, 300])
+def test_the_nearest_float_at_every_size(field, power):
+    number = (field.generator - 2) * Fraction(10) ** power
+    exact = sympy.Rational(float(number)) - number.as_sympy()
+    assert abs(exact.evalf(60)) <= abs(float(number)) * 2**-53
+
+
+def test_numbers_beyond_all_floats():
+    large = a * 10**400
+    with pytest.raises(OverflowError, match="too large for a float"):
+        float(large)
+    assert 10**400 < large < 2 * 10**400
+    assert hash(large) == hash(large + 0)
+    assert float(a / 10**400) == 0
+    assert 0 < a / 10**400 < Fraction(1, 10**300)
+
+
+def test_comparisons_are_exact():
+    convergent = Fraction(665857, 470832)
+    close = convergent
+    for _ in range(6):  # Newton's steps from above: hundreds of digits of √2
+        close = (close + 2 / close) / 2
+    assert a < close
+    assert a != close
+    assert float(close) == float(a)
+    assert square_root(8) / 2 < close
+
+
+def test_floats_are_compared_at_their_exact_value():
+    assert a != math.sqrt(2)
+    assert a < math.sqrt(2)
+    assert a / a == 1.0
+    assert a < math.inf
+    assert a > -math.inf
+    assert not a < math.nan
+    assert not a > math.nan
+
+
+def test_a_number_of_sympy_is_compared_as_such():
+    assert a < sympy.sqrt(3)
+    assert a == sympy.sqrt(2)
+
+
+@pytest.mark.parametrize("wrong", ["a", None, [1, 2]])
+def test_a_field_needs_a_number(wrong):
+    with pytest.raises(TypeError, match="expected a real algebraic number"):
+        NumberField(wrong)
+
+
+@pytest.mark.parametrize("wrong", [sympy.I, sympy.pi, x, sympy.oo])
+def test_a_field_needs_a_real_algebraic_number(wrong):
+    with pytest.raises(ValueError, match="expected a real algebraic number"):
+        NumberField(wrong)
+
+
+@pytest.mark.parametrize("wrong", [0.5, "1", None, x])
+def test_coefficients_of_an_element_are_rational(wrong):
+    with pytest.raises(TypeError, match="expected"):
+        a.field.element([wrong])
+
+
+@pytest.mark.parametrize("wrong", [None, "2", {}, i])
+def test_square_roots_are_of_numbers(wrong):
+    with pytest.raises(TypeError, match="expected numbers"):
+        square_root(wrong)
+
+
+def test_square_roots_of_the_numbers_of_other_packages():
+    assert square_root(sympy.Rational(1, 4)) == Fraction(1, 2)
+    assert square_root(sympy.Integer(2)) == a
+    assert square_root([4, Fraction(1, 9)]).tolist() == [2, Fraction(1, 3)]
+    assert square_root(mpmath.mpf(4)) == 2
+    with pytest.raises(ValueError, match="negative"):
+        square_root(np.array([1.0, -1.0]))

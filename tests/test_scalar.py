@@ -1,16 +1,28 @@
 """Scalars of every kind: nothing is rounded that need not be."""
 
 import math
+from decimal import Decimal
 from fractions import Fraction
 
+import mpmath
 import numpy as np
 import pytest
 import sympy
 from hypothesis import given
 from hypothesis import strategies as st
 
-from kinlib import square_root
-from kinlib.scalar import as_float, as_scalars, divide, imaginary_unit, is_exact, is_infinite, is_zero, size
+from kinlib import DualQuaternion, i, j, one, same_point, square_root
+from kinlib.scalar import (
+    as_float,
+    as_scalars,
+    as_vectors,
+    divide,
+    imaginary_unit,
+    is_exact,
+    is_infinite,
+    is_zero,
+    size,
+)
 from strategies import fractions, large, whole
 
 x = sympy.Symbol("x")
@@ -178,3 +190,72 @@ def test_infinity_is_known(t):
 @pytest.mark.parametrize("t", [0, 1e300, math.nan, half, a, x, sympy.pi])
 def test_other_numbers_are_not_infinite(t):
     assert not is_infinite(t)
+
+
+@pytest.mark.parametrize(
+    ("number", "expected"),
+    [
+        (sympy.Integer(3), 3),
+        (sympy.Rational(1, 3), Fraction(1, 3)),
+        (np.int64(3), 3),
+        (Decimal("0.1"), Fraction(1, 10)),
+        (sympy.Float(0.5), 0.5),
+        (0.5 * sympy.sqrt(4), 1.0),
+        (sympy.Float(2) * sympy.sqrt(2), 2 * math.sqrt(2)),
+        (mpmath.mpf("0.5"), 0.5),
+        (mpmath.mpc(0.5, 1), 0.5 + 1j),
+        (sympy.oo, math.inf),
+    ],
+)
+def test_numbers_of_every_package_enter_by_one_door(number, expected):
+    for stored in (as_scalars([number]).tolist()[0], as_scalars([[number, number]]).tolist()[0][1]):
+        assert type(stored) is type(expected)
+        assert stored == pytest.approx(expected, rel=1e-15)
+    assert type(DualQuaternion([number] * 8).coeffs.tolist()[0]) is type(expected)
+
+
+@pytest.mark.parametrize("number", [sympy.sqrt(2), sympy.pi, sympy.I, x, x / 2])
+def test_irrational_numbers_and_symbols_of_sympy_stay(number):
+    assert as_scalars([number]).tolist() == [number]
+
+
+def test_sympys_whole_numbers_cost_what_pythons_cost():
+    """The arithmetic behind a product is the same, since the numbers are."""
+    q = DualQuaternion([sympy.Integer(n) for n in range(1, 9)])
+    assert {type(c) for c in (q * q.inverse()).coeffs.tolist()} <= {int, Fraction}
+
+
+@pytest.mark.parametrize("wrong", [sympy.true, sympy.FiniteSet(1), i, [i, j], [[i]]])
+def test_other_algebras_are_no_numbers(wrong):
+    with pytest.raises(TypeError, match="expected numbers, got"):
+        as_scalars(wrong)
+
+
+def test_whole_numbers_beyond_all_floats():
+    q = 10**400 * one + i
+    assert q * q.inverse() == 1
+    assert same_point(q, 10**400 * q)
+    assert size([10**400]) == math.inf
+    for use in (lambda: q.astype(float), lambda: q * 0.5, lambda: as_scalars([10**400, 0.5])):
+        with pytest.raises(OverflowError, match="too large for a float"):
+            use()
+
+
+@pytest.mark.parametrize("dtype", [np.float32, np.complex64])
+def test_single_precision_is_judged_by_its_own(dtype):
+    noise = np.array([3e-7], dtype=dtype)
+    assert is_zero(noise).all()
+    assert not is_zero(noise, rtol=0).any()
+    assert not is_zero(1e3 * noise).any()
+    assert not is_zero(noise.astype(np.complex128)).any()
+
+
+def test_vectors_are_real_and_finite_but_for_rows_of_a_batch():
+    for wrong in ([math.nan, 0, 0], [0, math.inf, 0]):
+        with pytest.raises(ValueError, match="expected finite"):
+            as_vectors(wrong)
+        rows = as_vectors([wrong, [1, 2, 3]])
+        assert np.isnan(rows[0]).all()
+        assert rows[1].tolist() == [1, 2, 3]
+    with pytest.raises(ValueError, match="expected real"):
+        as_vectors([1j, 0, 0])
