@@ -12,7 +12,7 @@ from kinlib.dual_quaternion import (
     study_form,
 )
 from kinlib.errors import DegenerateError
-from kinlib.line import Line
+from kinlib.line import Line, wrap_line
 from kinlib.number_field import square_root
 from kinlib.scalar import RTOL, as_float, as_scalars, divide, is_exact, is_zero
 
@@ -171,7 +171,7 @@ def act(q: DualQuaternion, x):
     """
     if isinstance(x, Line):
         components = np.moveaxis(np.concatenate([x.direction, x.moment], axis=-1), -1, 0)
-        return Line.from_components(blockwise(_line_formula, _divisible(q), components, rows=6))
+        return wrap_line(np.moveaxis(blockwise(_line_formula, _divisible(q), components, rows=6), 0, -1))
     points = as_scalars(x)
     if points.shape[-1:] != (3,):
         raise ValueError(f"expected points of shape (..., 3), got {points.shape}")

@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import DTypeLike
 
-from kinlib.scalar import ArrayLike, as_float, as_scalars, divide, is_scalar, is_zero, promote, size
+from kinlib.scalar import ArrayLike, as_float, as_scalars, as_text, divide, is_scalar, is_zero, promote, size
 
 __all__ = [
     "DualQuaternion", "dual_size", "eps", "eps_times", "i", "j", "k", "null_form", "one", "primal_size", "study_form",
@@ -397,27 +397,18 @@ def as_dual_quaternion(x: Any, what: str = "a dual quaternion") -> DualQuaternio
 def _coefficients(x: Any) -> np.ndarray:
     if isinstance(x, DualQuaternion):
         return x.coeffs
-    if isinstance(x, (list, tuple)) and x and all(isinstance(item, DualQuaternion) for item in x):
+    if isinstance(x, (list, tuple)) and x and isinstance(x[0], DualQuaternion):
         return DualQuaternion.stack(x).coeffs
     return as_scalars(x)
 
 
 def _term(coefficient: Any, unit: str) -> str:
-    text = _number(coefficient)
+    text = as_text(coefficient)
     if not unit:
         return text
     if text in ("1", "-1"):
         return text.replace("1", unit)
     return f"({text}) {unit}" if _is_sum(text) else f"{text} {unit}"
-
-
-def _number(x: Any) -> str:
-    """A number to six digits; exact ones whole."""
-    if isinstance(x, float):
-        return f"{x:.6g}"
-    if isinstance(x, complex):
-        return f"({x:.6g})" if x.real else f"{x.imag:.6g}j"
-    return str(x)
 
 
 def _is_sum(text: str) -> bool:

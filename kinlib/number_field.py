@@ -10,7 +10,7 @@ import math
 from collections.abc import Callable, Sequence
 from fractions import Fraction
 from functools import cached_property
-from numbers import Rational
+from numbers import Rational, Real
 from operator import ge, gt, le, lt
 from typing import Any
 
@@ -283,6 +283,20 @@ class NumberFieldElement:
                 return low
             digits *= 2
 
+    @property
+    def real(self) -> NumberFieldElement:
+        """The number itself."""
+        return self
+
+    @property
+    def imag(self) -> int:
+        """0: all numbers of the field are real."""
+        return 0
+
+    def conjugate(self) -> NumberFieldElement:
+        """The complex conjugate: the number itself."""
+        return self
+
     def __complex__(self) -> complex:
         return complex(float(self))
 
@@ -333,6 +347,9 @@ def _equal_across_fields(x: NumberFieldElement, y: NumberFieldElement) -> bool:
 
     difference, t = x.as_sympy() - y.as_sympy(), Symbol("t")
     return bool(difference == 0 or minimal_polynomial(difference, t) == t)
+
+
+Real.register(NumberFieldElement)
 
 
 def _term(coefficient: Fraction, power: int) -> str:

@@ -1,6 +1,8 @@
 """Lines in Plücker coordinates, checked by the points on them."""
 
+import copy
 import math
+import pickle
 from fractions import Fraction
 
 import numpy as np
@@ -266,3 +268,188 @@ def test_a_line_does_not_change():
 def test_fractions_stay_fractions(direction):
     foot = Line.at([1, 2, 3], direction).foot()
     assert all(isinstance(c, Fraction) for c in foot)
+
+
+# Nearly parallel, parallel, through the origin
+
+
+@pytest.mark.parametrize("turn", [1e-3, 1e-5, 1e-7, 1e-9, 1e-11, 1e-13, 1e-16, 0])
+@pytest.mark.parametrize("place", [0.0, 1.0])
+def test_the_distance_of_nearly_parallel_lines(turn, place):
+    rng = np.random.default_rng(7)
+    for point in place * rng.normal(size=(20, 3)):
+        l, n = np.linalg.qr(rng.normal(size=(3, 3)))[0][:2]
+        g = Line.at(point, l)
+        h = Line.at(point + n, l + turn * np.cross(l, n))
+        tolerance = min(1e-14 / max(turn, 1e-16), 1e-3) + 1e-12
+        assert g.distance(h) == pytest.approx(1, rel=tolerance)
+        assert h.distance(g) == pytest.approx(1, rel=tolerance)
+
+
+def test_a_batch_with_one_parallel_pair_has_distances():
+    g = Line.at([0, 0, 0], [1, 0, 0])
+    for scalar in (int, float):
+        directions = np.array([[2, 0, 0], [0, 1, 0], [1, 1, 0]], dtype=scalar)
+        h = Line.at(np.array([5, 0, 3], dtype=scalar), directions)
+        assert g.distance(h).tolist() == h.distance(g).tolist() == [3, 3, 3]
+    assert g.is_parallel(h).tolist() == [True, False, False]
+
+
+@pytest.mark.parametrize("turn", [1e-1, 1e-3, 1e-4])
+def test_feet_of_nearly_parallel_lines(turn):
+    l, n = np.array([2, 1, 2]) / 3, np.array([1, 2, -2]) / 3
+    g, h = Line.at([1.0, 2, 3], l), Line.at(np.array([1.0, 2, 3]) + n, l + turn * np.cross(l, n))
+    p, q = common_perpendicular(g, h)
+    assert p == pytest.approx([1, 2, 3], abs=1e-14 / turn**2)
+    assert q - p == pytest.approx(n, abs=1e-14 / turn**2)
+
+
+@pytest.mark.parametrize("turn", [1e-7, 1e-9, 1e-11])
+def test_feet_that_rounding_decides_are_not_given(turn):
+    l, n = np.array([2, 1, 2]) / 3, np.array([1, 2, -2]) / 3
+    g, h = Line.at([0.0, 0, 0], l), Line.at(n, l + turn * np.cross(l, n))
+    with pytest.raises(DegenerateError, match="nearly parallel"):
+        common_perpendicular(g, h)
+    assert all(np.isnan(foot).all() for foot in common_perpendicular(g, h, degenerate="nan"))
+    meeting = Line.at(g.foot() + l, l + turn * np.cross(l, n))  # here the foot is where they meet
+    assert common_perpendicular(g, meeting)[0] == pytest.approx(l, abs=1e-14 / turn)
+
+
+def test_rows_with_parallel_lines_may_become_nan():
+    for scalar in (int, float):
+        sheaf = Line(np.array([[1, 0, 0], [0, 1, 0]], dtype=scalar), np.zeros(3, dtype=scalar))
+        with pytest.raises(DegenerateError, match=r"row 1: .*parallel") as caught:
+            common_perpendicular(sheaf, y_axis)
+        assert caught.value.rows == (1,)
+        p, q = common_perpendicular(sheaf, y_axis, degenerate="nan")
+        assert np.isnan([p[1], q[1]]).all()
+        assert p[0].tolist() == q[0].tolist() == [0, 0, 0]
+
+
+def test_lines_through_the_origin_in_decimals():
+    line = Line.through([0.1, 0.3, 0.5], [0.3, 0.9, 1.5])
+    assert line.contains([0, 0, 0])
+    assert line.distance(Line.at([0, 0, 1.0], [3.0, -1, 0])) == pytest.approx(1)
+    rng = np.random.default_rng(5)
+    for scale in (1e-6, 1, 1e6):
+        a = scale * rng.normal(size=(300, 3))
+        batch = Line.through(a, a * rng.normal(size=(300, 1)))
+        assert batch.contains([0, 0, 0]).all()
+        again = Line.from_dual_quaternion(batch.as_dual_quaternion())
+        assert again.contains([0, 0, 0]).all()
+        assert Line(batch.direction, batch.moment).contains(a).all()
+
+
+def test_axes_of_rotations_about_the_origin_up_to_rounding():
+    rng = np.random.default_rng(6)
+    for scale in (1e-6, 1e-3, 1, 1e3):
+        q = DualQuaternion(np.concatenate([rng.normal(size=(300, 4)), np.zeros((300, 4))], axis=-1))
+        there = 1 + eps * (i - 2 * j + 3 * k) / 2
+        turned = there * (1 + scale * q) * there.conjugate()
+        back = there.conjugate() * turned * there
+        feet = Line.from_dual_quaternion(back).foot()
+        assert np.abs(feet).max() < 1e-12 / min(scale, 1)
+
+
+# Batches, copies, printing, wrong types
+
+
+def test_a_batch_is_a_sequence():
+    points = np.arange(12).reshape(2, 2, 3)
+    batch = Line.at(points, [1, 2, 2])
+    assert (len(batch), batch.shape) == (2, (2, 2))
+    assert batch[1, 0].contains(points[1, 0])
+    assert [row.shape for row in batch] == [(2,), (2,)]
+    assert batch[0][1].contains(points[0, 1])
+    assert batch[..., None].shape == (2, 2, 1)
+    with pytest.raises(TypeError, match="no length"):
+        len(x_axis)
+    with pytest.raises(IndexError):
+        x_axis[0]
+    with pytest.raises(ValueError, match="read-only"):
+        batch[1].direction[0] = 7
+
+
+@pytest.mark.parametrize("duplicate", [copy.copy, copy.deepcopy, lambda line: pickle.loads(pickle.dumps(line))])
+def test_copies_are_equal_and_do_not_change(duplicate):
+    line = duplicate(Line.at([1.0, 2, 3], [1, 2, 2]))
+    assert line.moment.tolist() == [-2, 1, 0]
+    with pytest.raises(ValueError, match="read-only"):
+        line.moment[0] = 7
+
+
+@pytest.mark.parametrize(
+    ("line", "text"),
+    [
+        (x_axis, "Line(direction=(1, 0, 0), moment=(0, 0, 0))"),
+        (Line.at([0, 1 / 3, 0], [0.0, 0, 1]), "Line(direction=(0, 0, 1), moment=(0.333333, 0, 0))"),
+        (Line.at([0, Fraction(1, 3), 0], [0, 0, a]), "Line(direction=(0, 0, a), moment=(1/3*a, 0, 0))"),
+        (Line.at([[0.0, 0, 0]] * 6, [0, 0, 1]), "Line of shape (6,), float64"),
+    ],
+)
+def test_reading(line, text):
+    assert repr(line) == text
+
+
+def test_rows_of_nan_stay_rows():
+    points = np.array([[0.0, 0, 1], [math.nan, 0, 0], [0, math.inf, 0]])
+    for batch in (Line.at(points, [1, 0, 0]), Line.through(points, [1.0, 0, 1]), Line([1.0, 0, 0], points * [0, 1, 1])):
+        rows = np.concatenate([batch.direction, batch.moment], axis=-1)
+        assert np.isfinite(rows[0]).all()
+        assert np.isnan(rows[1:]).all()
+    batch = Line.at(points, [1, 0, 0])
+    assert np.isnan(batch.distance(y_axis)[1:]).all()
+    assert batch.distance(y_axis)[0] == 1
+    assert batch.contains([5.0, 0, 1]).tolist() == [True, False, False]
+
+
+@pytest.mark.parametrize(
+    "build",
+    [
+        lambda: Line.at([math.nan, 0, 0], [1, 0, 0]),
+        lambda: Line.through([0, 0, 0], [math.inf, 0, 0]),
+        lambda: x_axis.contains([math.nan, 0, 0]),
+        lambda: x_axis.foot([math.nan, 0, 0]),
+        lambda: Line.at([1j, 0, 0], [1, 0, 0]),
+        lambda: x_axis.contains([1j, 0, 0]),
+    ],
+)
+def test_single_points_are_real_and_finite(build):
+    with pytest.raises(ValueError, match=r"expected (finite|real)"):
+        build()
+
+
+@pytest.mark.parametrize("wrong", [None, "x", [1, 2, 3], i, {}])
+def test_other_things_are_no_lines(wrong):
+    for use in (x_axis.distance, x_axis.angle, x_axis.is_parallel, lambda w: common_perpendicular(x_axis, w)):
+        with pytest.raises(TypeError, match="expected a Line"):
+            use(wrong)
+    if wrong is not i:
+        with pytest.raises(TypeError, match="expected a rotation as DualQuaternion"):
+            Line.from_dual_quaternion(wrong)
+
+
+@pytest.mark.parametrize("wrong", [None, "abc", {}, i, x_axis, [None] * 3])
+def test_other_things_are_no_points(wrong):
+    for use in (x_axis.contains, x_axis.foot, lambda w: Line.at(w, [1, 0, 0]), lambda w: Line.through([1, 0, 0], w)):
+        with pytest.raises(TypeError, match="expected numbers"):
+            use(wrong)
+
+
+def test_a_zero_direction_is_named_by_its_row():
+    with pytest.raises(ValueError, match="row 1: expected a direction that is not zero"):
+        Line.at([[0, 0, 1], [0, 0, 2]], [[1, 0, 0], [0, 0, 0]])
+
+
+@pytest.mark.parametrize("degenerate", ["no", None])
+def test_what_to_do_about_parallel_lines_is_one_of_two_words(degenerate):
+    with pytest.raises(ValueError, match="'raise' or 'nan'"):
+        common_perpendicular(x_axis, y_axis, degenerate=degenerate)
+
+
+def test_lines_in_single_precision():
+    point = np.array([0.1, 0.7, 0.3], dtype=np.float32)
+    line = Line.at(point, np.array([0.3, 0.1, 0.9], dtype=np.float32))
+    assert line.direction.dtype == np.float32
+    assert line.contains(point)
+    assert Line(line.direction, line.moment).shape == ()
