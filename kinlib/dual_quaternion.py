@@ -432,7 +432,8 @@ def _embedded(scalar: Any, company: np.ndarray) -> DualQuaternion:
 
 
 def _signed(components: np.ndarray, signs) -> np.ndarray:
-    return components * np.reshape(signs, (8,) + (1,) * (components.ndim - 1))
+    small = np.array(signs, dtype=np.int8)  # beside single precision, which it leaves as it is
+    return components * small.reshape((8,) + (1,) * (components.ndim - 1))
 
 
 def _aligned(a: np.ndarray, b: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -10,7 +10,21 @@ import pytest
 import sympy
 from hypothesis import given
 
-from kinlib import DualQuaternion, MotionPolynomial, eps, i, j, k, linear_factor, one, square_root
+from kinlib import (
+    DualQuaternion,
+    Line,
+    MotionPolynomial,
+    eps,
+    i,
+    j,
+    k,
+    linear_factor,
+    null_form,
+    one,
+    square_root,
+    study_form,
+)
+from kinlib.dual_quaternion import dual_size, eps_times, primal_size
 from strategies import as_fractions, dual_quaternions, fractions, in_field, large, several, whole
 
 x, y = sympy.symbols("x y")
@@ -292,8 +306,10 @@ def test_entries_do_not_share_memory_that_can_change():
 
 @pytest.mark.parametrize("duplicate", [copy.copy, copy.deepcopy, lambda q: pickle.loads(pickle.dumps(q))])
 @pytest.mark.parametrize("kind", KINDS)
-def test_copies_are_equal(kind, duplicate):
+def test_copies_are_equal_and_do_not_change(kind, duplicate):
     assert duplicate(KINDS[kind]) == KINDS[kind]
+    with pytest.raises(ValueError, match="read-only"):
+        duplicate(KINDS[kind]).components[0] = 7
 
 
 def test_the_matrix_view_of_numpy_agrees():
@@ -374,6 +390,10 @@ def test_values_that_compare_by_coefficients_are_not_hashed():
         (0.5 * i - k, "0.5 i - k"),
         (1j * i, "1j i"),
         ((1 + 2j) * i, "(1+2j) i"),
+        ((1 / 3 + 2j / 3) * i, "(0.333333+0.666667j) i"),
+        (2j / 3 * i, "0.666667j i"),
+        (DualQuaternion([np.float64(0.5), Fraction(1, 3), 0, 0, 0, 0, 0, 0]), "0.5 + 0.333333 i"),
+        (DualQuaternion(np.float32([0.1, 0, 0, 0, 0, 0, 0, 0])), "0.1"),
         (x * i + (x + 1) * k, "x i + (x + 1) k"),
         ((1 - a) * j, "(1 - a) j"),
         ((x * (x + 1) + 2) * j, "(x*(x + 1) + 2) j"),
@@ -384,3 +404,133 @@ def test_values_that_compare_by_coefficients_are_not_hashed():
 )
 def test_reading(q, text):
     assert repr(q) == text
+
+
+# As a user of NumPy expects
+
+
+def test_numpy_sees_the_coefficients():
+    q = DualQuaternion(np.arange(16.0).reshape(2, 8))
+    assert np.asarray(q).tolist() == np.array(q).tolist() == q.coeffs.tolist()
+    assert np.asarray(i).dtype == object
+    assert np.asarray(i, dtype=float).tolist() == [0, 1, 0, 0, 0, 0, 0, 0]
+    copied = np.array(q)
+    copied[0, 0] = 7
+    assert q.coeffs[0, 0] == 0
+    with pytest.raises(ValueError, match="read-only"):
+        np.asarray(q)[0, 0] = 7
+
+
+def test_a_dual_quaternion_of_dual_quaternions():
+    assert DualQuaternion(1 + i) == 1 + i
+    assert list(DualQuaternion([i, j / 2, eps])) == [i, j / 2, eps]
+    q = DualQuaternion.stack([i, j])
+    assert (DualQuaternion(q) == q).all()
+
+
+def test_arrays_are_compared_as_coefficients():
+    q = 1 + 2 * i
+    batch = DualQuaternion.stack([q, i])
+    assert q == q.coeffs
+    assert q.coeffs == q
+    assert q == q.coeffs.tolist()
+    assert (batch == batch.coeffs).all()
+    assert (batch.coeffs == batch).all()
+    assert (batch == q.coeffs).tolist() == [True, False]
+    assert (q == np.ones(3)) is False
+    assert q != np.ones(8)
+
+
+@pytest.mark.parametrize("dtype", [np.float32, np.complex64])
+def test_single_precision_is_kept(dtype):
+    q = DualQuaternion(np.arange(8, dtype=dtype))
+    batch = DualQuaternion(np.ones((3, 8), dtype=dtype))
+    for r in (q, batch):
+        for result in (r * r, r + r, -r, r * 2, 0.5 * r, r / 3, r + 1, 1.5 - r, r.conjugate(), r.norm(), r[..., None]):
+            assert result.coeffs.dtype == dtype
+    assert (q * np.ones(3)).coeffs.dtype == np.result_type(dtype, float)
+
+
+def test_only_zero_is_false():
+    assert i
+    assert eps
+    assert 1e-300 * i
+    assert x * i - x * j
+    assert not 0 * i
+    assert not 0.0 * i
+    assert not (x + 1) ** 2 * i - (x**2 + 2 * x + 1) * i
+    assert DualQuaternion([float("nan")] * 8)
+
+
+@pytest.mark.parametrize("count", [0, 1, 2])
+def test_a_batch_has_no_truth_value(count):
+    with pytest.raises(ValueError, match="no truth value"):
+        bool(DualQuaternion(np.ones((count, 8))))
+
+
+@pytest.mark.parametrize("source", [np.arange(8.0), np.arange(8), np.array([Fraction(1, 2)] * 8)])
+def test_arrays_of_the_caller_stay_theirs(source):
+    before = source.tolist()
+    made = DualQuaternion.from_components(source), DualQuaternion(source)
+    source[0] = 7
+    assert [q.coeffs.tolist() for q in made] == [before, before]
+
+
+@pytest.mark.parametrize("shape", [(), (7,), (0,), (7, 8)])
+def test_components_come_first(shape):
+    with pytest.raises(ValueError, match=r"expected components of shape \(8, \.\.\.\)"):
+        DualQuaternion.from_components(np.ones(shape))
+
+
+def test_elements_of_rings_and_fields_of_polynomials_on_either_side():
+    for number in (sympy.ring("u", sympy.QQ)[1], sympy.field("u", sympy.QQ)[1]):
+        q = 1 + i - 2 * eps * k
+        assert number * q == q * number
+        assert number + q == q + number
+        assert number - q == -(q - number)
+        assert (number * q) * (number * q) == number * number * (q * q)
+
+
+# Sizes, forms, wrong types
+
+
+@given(dual_quaternions(fractions))
+def test_sizes_are_those_of_the_largest_coefficients(q):
+    assert primal_size(q) == max(abs(float(c)) for c in q.coeffs[:4])
+    assert dual_size(q) == max(abs(float(c)) for c in q.coeffs[4:])
+    assert primal_size(DualQuaternion.stack([q, 2 * q])).tolist() == [primal_size(q), 2 * primal_size(q)]
+    assert dual_size(eps_times(q)) == primal_size(q)
+    assert eps_times(q) == eps * q
+
+
+@pytest.mark.parametrize("wrong", [None, "i", [1] * 8, np.ones(8), np.eye(4), Line([1, 0, 0], [0, 0, 0]), 3])
+def test_what_is_expected_is_said(wrong):
+    for use in (
+        lambda w: study_form(i, w),
+        lambda w: null_form(w, i),
+        eps_times,
+        primal_size,
+        dual_size,
+        lambda w: DualQuaternion.stack([i, w]),
+    ):
+        with pytest.raises(TypeError, match=r"expected a dual quaternion, got \w+: "):
+            use(wrong)
+
+
+@pytest.mark.parametrize("operate", [add, sub, mul])
+@pytest.mark.parametrize("wrong", [Line([1, 0, 0], [0, 0, 0]), object(), [None] * 3, [i, j]])
+def test_operands_are_numbers_or_dual_quaternions(operate, wrong):
+    for pair in ((i, wrong), (wrong, i)):
+        with pytest.raises(TypeError):
+            operate(*pair)
+
+
+@pytest.mark.parametrize("exponent", [0.5, None, Fraction(1, 2), i])
+def test_exponents_are_whole(exponent):
+    with pytest.raises(TypeError, match="expected a whole number as exponent"):
+        i**exponent
+
+
+def test_nothing_to_stack():
+    with pytest.raises(ValueError, match="at least one"):
+        DualQuaternion.stack([])
