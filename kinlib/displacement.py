@@ -2,19 +2,29 @@
 
 from __future__ import annotations
 
+import math
+from typing import Any
+
 import numpy as np
 
-from kinlib.dual_quaternion import (
-    DualQuaternion,
-    blockwise,
-    eps_times,
-    null_form,
-    study_form,
-)
-from kinlib.errors import DegenerateError
+from kinlib.dual_quaternion import DualQuaternion, as_dual_quaternion, blockwise, eps_times, null_form, study_form, wrap
+from kinlib.errors import DegenerateError, check_degenerate, named_rows, rows_where
 from kinlib.line import Line, wrap_line
 from kinlib.number_field import square_root
-from kinlib.scalar import RTOL, as_float, as_scalars, divide, is_exact, is_zero
+from kinlib.scalar import (
+    ROUNDING,
+    RTOL,
+    as_float,
+    as_scalars,
+    as_vectors,
+    divide,
+    finite_rows,
+    is_exact,
+    is_zero,
+    own_precision,
+    plain,
+)
+from kinlib.typing import Array, Degenerate, MatrixLike, PointLike, PoseLike, RigidTransformLike, ScalarLike, VectorLike
 
 __all__ = [
     "act", "as_matrix", "as_rigid_transform", "axis_of", "from_matrix", "from_rigid_transform", "half_turn",
@@ -22,29 +32,35 @@ __all__ = [
 ]  # fmt: skip
 
 
-def translation(v) -> DualQuaternion:
+def translation(v: VectorLike) -> DualQuaternion:
     """The translation 1 + ½εv by a vector v, shape (..., 3), in units of length.
+
+    Raises
+    ------
+    ValueError
+        If a vector is not real, or a single one not finite; in a batch such rows become NaN.
 
     Examples
     --------
     >>> translation([0, 4, 0])
     1 + 2 εj
     """
-    v = as_scalars(v)
-    if v.shape[-1:] != (3,):
-        raise ValueError(f"expected vectors of shape (..., 3), got shape {v.shape}")
-    half = divide(v, 2)
-    components = np.zeros((8, *v.shape[:-1]), dtype=half.dtype)
+    half = divide(as_vectors(v), 2)
+    components = np.zeros((8, *half.shape[:-1]), dtype=half.dtype)
     components[0], components[5:] = 1, np.moveaxis(half, -1, 0)
-    return DualQuaternion.from_components(components)
+    if half.dtype.kind == "f":
+        components[:5, np.isnan(half[..., 0])] = np.nan
+    return wrap(components)
 
 
 def half_turn(line: Line) -> DualQuaternion:
     """The half-turn l + εm about a line; a unit dual quaternion if the direction has length 1."""
+    if not isinstance(line, Line):
+        raise TypeError(f"expected a Line, got {type(line).__name__}: Line.at(point, direction) makes one")
     return line.as_dual_quaternion()
 
 
-def rotation(line: Line, angle) -> DualQuaternion:
+def rotation(line: Line, angle: ScalarLike | Array) -> DualQuaternion:
     """The rotation cos(½ angle) + sin(½ angle) h about a line, with h the unit half-turn about it.
 
     Parameters
@@ -55,6 +71,11 @@ def rotation(line: Line, angle) -> DualQuaternion:
         In radians, counter-clockwise when the axis points at the viewer.  An expression keeps an exact line
         exact; with any other angle the result is in floats, since sine and cosine leave the rational numbers.
 
+    Raises
+    ------
+    ValueError
+        If an angle is not real, or a single one not finite; in a batch such rows become NaN.
+
     Examples
     --------
     >>> import sympy
@@ -62,27 +83,54 @@ def rotation(line: Line, angle) -> DualQuaternion:
     sqrt(3)/2 + 1/2 k
     """
     h = half_turn(line)
-    if hasattr(angle, "free_symbols"):
+    if hasattr(angle, "free_symbols") and hasattr(plain(angle), "free_symbols"):
         from sympy import cos, sin, sqrt, sympify
 
         return h / sqrt(sympify(null_form(h, h))) * sin(angle / 2) + cos(angle / 2)
-    half = as_float(as_scalars(angle)) / 2
+    half = _angles(angle) / 2
     return unit(h.astype(float)) * np.sin(half) + np.cos(half)
+
+
+def _angles(angle: Any) -> np.ndarray:
+    angles = np.array(as_float(as_scalars(angle)))
+    if angles.dtype.kind == "c":
+        raise ValueError("expected real angles, got complex numbers")
+    return finite_rows(angles, "angles", core=0)[()]
 
 
 def unit(q: DualQuaternion) -> DualQuaternion:
     """The same point of P⁷ with primal part of length 1, where that root can be taken.
 
     Exact coefficients are left as they are if the square of the length is not the square of a fraction.
+
+    Raises
+    ------
+    DegenerateError
+        If the primal part vanishes; rows of a batch of floats become NaN instead.
+
+    Examples
+    --------
+    >>> unit(3 * i + 4 * j), unit(i + j)
+    (3/5 i + 4/5 j, i + j)
     """
-    square = null_form(q, q)
+    square = null_form(as_dual_quaternion(q), q)
+    zero = np.asarray(is_zero(square, rtol=0))
+    if not is_exact(q.components) and q.shape:
+        return q / np.sqrt(np.where(zero, np.nan, square) if zero.any() else square)
+    _refuse(zero, EXCEPTIONAL, "raise")
     if not is_exact(q.components):
         return q / np.sqrt(square)
     return q / np.frompyfunc(_rational_root, 1, 1)(square)
 
 
-def axis_of(h: DualQuaternion) -> DualQuaternion:
+def axis_of(h: PoseLike, *, degenerate: Degenerate = "raise") -> DualQuaternion:
     """The half-turn about the axis of a rotation; what rounding has added to a line is taken away.
+
+    Parameters
+    ----------
+    h : DualQuaternion of shape (...), matrices of shape (..., 4, 4), or RigidTransform
+    degenerate : {"raise", "nan"}
+        What becomes of rows without an axis.
 
     Raises
     ------
@@ -94,12 +142,16 @@ def axis_of(h: DualQuaternion) -> DualQuaternion:
     >>> axis_of(3 + 2 * (j - eps * i))
     j - εi
     """
-    components = h.components.copy()
+    components = displacement(h).components.copy()
     components[[0, 4]] = 0
-    v = DualQuaternion.from_components(components)
-    if np.any(is_zero(null_form(v, v), rtol=0)):
-        raise DegenerateError("the primal part is a number: the identity and translations have no axis")
+    v = wrap(components)
+    lost = np.asarray(_refuse(is_zero(null_form(v, v), rtol=0), NO_AXIS, degenerate))
+    if lost.any():
+        v = DualQuaternion(np.where(lost[..., None], np.nan, as_float(v.coeffs)))
     return unit(v - eps_times(v) * divide(study_form(v, v), 2 * null_form(v, v)))
+
+
+NO_AXIS = "the primal part is a number: the identity and translations have no axis"
 
 
 def _rational_root(square):
@@ -148,19 +200,29 @@ def _line_formula(q, line):
     return l1, l2, l3, m1 + (t2 * l3 - t3 * l2), m2 + (t3 * l1 - t1 * l3), m3 + (t1 * l2 - t2 * l1)
 
 
-def act(q: DualQuaternion, x):
+def act(q: PoseLike, x: PointLike | Line, *, degenerate: Degenerate = "raise") -> Any:
     """Move points or lines by the displacement [q], equation (1).
 
     Parameters
     ----------
-    q : DualQuaternion, shape (...)
+    q : DualQuaternion of shape (...), matrices of shape (..., 4, 4), or RigidTransform
         On the Study quadric, off the exceptional space.
     x : array_like, shape (..., 3), or Line
         Points, or lines; batches broadcast.
+    degenerate : {"raise", "nan"}
+        What becomes of rows in the exceptional space.
 
     Returns
     -------
     numpy.ndarray, shape (..., 3), or Line
+        Where a row of a batch has NaN or infinity, NaN.
+
+    Raises
+    ------
+    ValueError
+        If the points or the displacements are not real, or single ones not finite.
+    DegenerateError
+        If q lies in the exceptional space.
 
     Examples
     --------
@@ -171,22 +233,55 @@ def act(q: DualQuaternion, x):
     """
     if isinstance(x, Line):
         components = np.moveaxis(np.concatenate([x.direction, x.moment], axis=-1), -1, 0)
-        return wrap_line(np.moveaxis(blockwise(_line_formula, _divisible(q), components, rows=6), 0, -1))
-    points = as_scalars(x)
-    if points.shape[-1:] != (3,):
-        raise ValueError(f"expected points of shape (..., 3), got {points.shape}")
-    components = np.moveaxis(points, -1, 0)
-    return np.moveaxis(blockwise(_point_formula, _divisible(q), components, rows=3), 0, -1)
+        return wrap_line(np.moveaxis(blockwise(_line_formula, _divisible(q, degenerate), components, rows=6), 0, -1))
+    components = np.moveaxis(as_vectors(x, "points"), -1, 0)
+    return np.moveaxis(blockwise(_point_formula, _divisible(q, degenerate), components, rows=3), 0, -1)
 
 
-def _divisible(q: DualQuaternion) -> np.ndarray:
+def _divisible(q: PoseLike, degenerate: str) -> np.ndarray:
     """Components of a pose, whose primal part must not vanish; whole numbers as fractions."""
-    if np.any(is_zero(null_form(q, q), rtol=0)):
-        raise DegenerateError("the point lies in the exceptional three-space (primal part zero): it moves nothing")
-    return q.components if q.components.dtype.kind in "fc" else divide(q.components, 1)
+    q = displacement(q)
+    if q.components.dtype.kind == "c":
+        raise ValueError("expected a real displacement, got complex coefficients: it moves points out of real space")
+    zero = _refuse(is_zero(null_form(q, q), rtol=0), EXCEPTIONAL, degenerate)
+    if np.any(zero):
+        q = DualQuaternion(np.where(np.asarray(zero)[..., None], np.nan, as_float(q.coeffs)))
+    if q.components.dtype.kind != "f":
+        return divide(q.components, 1)
+    if np.isfinite(q.components).all():
+        return q.components
+    return np.moveaxis(finite_rows(np.array(q), "displacements"), -1, 0)
 
 
-def as_matrix(q: DualQuaternion) -> np.ndarray:
+EXCEPTIONAL = "the point lies in the exceptional three-space (primal part zero): it moves nothing"
+
+
+def _refuse(where: Any, message: str, degenerate: str) -> Any:
+    """Raise an error about rows, or say again where they are."""
+    check_degenerate(degenerate)
+    if degenerate == "raise" and np.any(where):
+        rows = rows_where(where)
+        raise DegenerateError(named_rows(rows) + message, rows=rows)
+    return where
+
+
+def displacement(x: PoseLike) -> DualQuaternion:
+    """A displacement given as dual quaternion, 4×4 matrix or SciPy ``RigidTransform``, as a dual quaternion.
+
+    It is not checked whether it is on the Study quadric.
+    """
+    if isinstance(x, DualQuaternion):
+        return x
+    if isinstance(x, RigidTransformLike):
+        return from_rigid_transform(x)
+    if not isinstance(x, (np.ndarray, list, tuple)):
+        raise TypeError(
+            f"expected a displacement (a DualQuaternion, a 4×4 matrix or a RigidTransform), got {type(x).__name__}"
+        )
+    return from_matrix(x)
+
+
+def as_matrix(q: PoseLike, *, degenerate: Degenerate = "raise") -> Array:
     """The homogeneous 4×4 matrix of the displacement [q], shape (..., 4, 4); rational in q.
 
     Examples
@@ -194,6 +289,7 @@ def as_matrix(q: DualQuaternion) -> np.ndarray:
     >>> (as_matrix(translation([1, 2, 3])) == [[1, 0, 0, 1], [0, 1, 0, 2], [0, 0, 1, 3], [0, 0, 0, 1]]).all()
     np.True_
     """
+    q = wrap(_divisible(q, degenerate))
     turned = act(q.primal[..., None], np.eye(3, dtype=int))
     matrix = np.zeros((*q.shape, 4, 4), dtype=turned.dtype)
     matrix[..., :3, :3] = np.swapaxes(turned, -1, -2)
@@ -202,47 +298,109 @@ def as_matrix(q: DualQuaternion) -> np.ndarray:
     return matrix
 
 
-def from_matrix(matrix, *, rtol: float = RTOL) -> DualQuaternion:
+def from_matrix(matrix: MatrixLike, *, rtol: float = RTOL, degenerate: Degenerate = "raise") -> DualQuaternion:
     """The point of the Study quadric for homogeneous matrices of displacements, shape (..., 4, 4).
 
-    No root is taken for exact matrices; the primal part has length 1 for floats.
+    No root is taken for exact matrices; the primal part has length 1 for floats.  A float matrix that is accepted,
+    but rounded, gives the nearest rotation; the result is in double precision.
+
+    Parameters
+    ----------
+    matrix : array_like, shape (..., 4, 4)
+    rtol : float
+        How far the entries of floats may be off those of a rotation: 1e-6 for numbers that were printed with six
+        decimals.  Matrices in single precision are judged by their own precision.
+    degenerate : {"raise", "nan"}
+        What becomes of the rows of a batch that are no displacements.  Rows with NaN stay rows of NaN.
 
     Raises
     ------
     ValueError
-        If the upper left block is no rotation or the last row is not (0, 0, 0, 1).
+        If the upper left block is no rotation or the last row is not (0, 0, 0, 1); if a matrix is not real, or a
+        single one not finite.
 
     Examples
     --------
     >>> from_matrix([[1, 0, 0, 2], [0, -1, 0, 0], [0, 0, -1, 0], [0, 0, 0, 1]])
     i - ε
     """
+    check_degenerate(degenerate)
     matrix = as_scalars(matrix)
     if matrix.shape[-2:] != (4, 4):
         raise ValueError(f"expected matrices of shape (..., 4, 4), got {matrix.shape}")
-    _check_finite(matrix)
-    R, last = matrix[..., :3, :3], matrix[..., 3, :]
-    _check_rotation(R, last, rtol)
+    if matrix.dtype.kind == "c":
+        raise ValueError("expected a real matrix, got complex numbers")
+    matrix = finite_rows(matrix, "matrices", core=2)
+    rtol = own_precision(matrix, rtol)
+    if matrix.dtype.kind == "f":
+        matrix = matrix.astype(float)
+    bad = _no_displacement(matrix, rtol, degenerate)
+    if np.any(bad):
+        matrix = np.where(bad[..., None, None], np.nan, as_float(matrix))
+    R = matrix[..., :3, :3] if is_exact(matrix) else _nearest_rotation(matrix[..., :3, :3])
     outer = _outer_square(R)
     diagonal = np.diagonal(outer, axis1=-2, axis2=-1)
     best = np.argmax(diagonal, axis=-1)[..., None, None]
     primal = np.take_along_axis(outer, best, axis=-2)[..., 0, :]
     p = unit(DualQuaternion(np.concatenate([primal, np.zeros_like(primal)], axis=-1)))
-    return translation(matrix[..., :3, 3]) * p
+    return _shifted(matrix[..., :3, 3], p)
 
 
-def _check_finite(numbers: np.ndarray) -> None:
-    if numbers.dtype.kind in "fc" and not np.all(np.isfinite(numbers)):
-        raise ValueError("expected finite numbers, got NaN or infinity")
+def _shifted(v: np.ndarray, p: DualQuaternion) -> DualQuaternion:
+    """The translation by v after the rotation p."""
+    half = np.moveaxis(divide(v, 2), -1, 0)
+    zero = np.zeros_like(half[:1])
+    return p + wrap(np.concatenate([zero, zero, zero, zero, zero, half])) * p
 
 
-def _check_rotation(R: np.ndarray, last: np.ndarray, rtol: float) -> None:
-    orthogonal = np.all(is_zero(R @ np.swapaxes(R, -1, -2) - np.eye(3, dtype=int), rtol=10 * rtol))
-    turns = (np.cross(R[..., 0], R[..., 1]) * R[..., 2]).sum(-1)
-    if not orthogonal or np.any(turns < 0):
-        raise ValueError("expected a rotation in the upper left block: an orthogonal matrix of determinant 1")
-    if not np.all(is_zero(last - np.array([0, 0, 0, 1]), rtol=rtol)):
-        raise ValueError("expected the last row (0, 0, 0, 1) of a displacement")
+def _no_displacement(matrix: np.ndarray, rtol: float, degenerate: str) -> np.ndarray:
+    """Where a matrix is no displacement; an error about it, unless NaN is asked for."""
+    R, last = matrix[..., :3, :3], matrix[..., 3, :] - np.array([0, 0, 0, 1])
+    difference = R @ np.swapaxes(R, -1, -2) - np.eye(3, dtype=int)
+    turns = np.asarray((np.cross(R[..., 0], R[..., 1]) * R[..., 2]).sum(-1))
+    lost = _is_nan(matrix)
+    skew = ~np.all(is_zero(difference, rtol=10 * rtol), axis=(-1, -2)) & ~lost
+    bad = np.asarray(skew | (turns < 0) & ~lost), ~np.asarray(np.all(is_zero(last, rtol=rtol), axis=-1) | lost)
+    if degenerate == "raise" and np.any(bad[0]):
+        raise ValueError(named_rows(rows_where(bad[0])) + _no_rotation(difference[bad[0]], turns[bad[0]], rtol))
+    if degenerate == "raise" and np.any(bad[1]):
+        raise ValueError(f"{named_rows(rows_where(bad[1]))}expected the last row (0, 0, 0, 1) of a displacement")
+    return bad[0] | bad[1]
+
+
+def _is_nan(matrix: np.ndarray) -> Any:
+    return np.isnan(matrix[..., 0, 0]) if matrix.dtype.kind == "f" else np.zeros(matrix.shape[:-2], dtype=bool)
+
+
+def _no_rotation(difference: np.ndarray, turns: np.ndarray, rtol: float) -> str:
+    """What is wrong with the upper left block R, from R Rᵀ − 1 and the determinant."""
+    off = float(np.abs(as_float(difference)).max(initial=0))
+    text = "expected a rotation in the upper left block R: an orthogonal matrix of determinant 1; "
+    if off < 0.1 and np.any(turns < 0):
+        return text + "here the determinant is -1, a reflection"
+    text += f"here R Rᵀ is off 1 by {off:.2g}"
+    if off > 1e-2 or is_exact(difference):
+        return text
+    return f"{text}, more than 10 rtol = {10 * rtol:.0e}; if that is rounding, give rtol={_rounded_up(off / 10)}"
+
+
+def _rounded_up(x: float) -> str:
+    """The next number with one digit."""
+    power = 10.0 ** math.floor(math.log10(x))
+    return f"{math.ceil(x / power) * power:.0e}"
+
+
+def _nearest_rotation(R: np.ndarray) -> np.ndarray:
+    """The orthogonal factor of the polar decomposition, by Newton's iteration R ← ½(R + R⁻ᵀ); rotations stay."""
+    for _ in range(4):
+        off = np.abs(R @ np.swapaxes(R, -1, -2) - np.eye(3)).max(axis=(-1, -2), keepdims=True)
+        if not np.any(off > ROUNDING):
+            break
+        x, y, z = np.moveaxis(R, -2, 0)
+        cofactors = np.stack([np.cross(y, z), np.cross(z, x), np.cross(x, y)], axis=-2)
+        determinant = (x * cofactors[..., 0, :]).sum(-1)[..., None, None]
+        R = np.where(off > ROUNDING, (R + cofactors / determinant) / 2, R)
+    return R
 
 
 def _outer_square(R: np.ndarray) -> np.ndarray:
@@ -258,12 +416,14 @@ def _outer_square(R: np.ndarray) -> np.ndarray:
     return outer
 
 
-def from_rigid_transform(transform) -> DualQuaternion:
+def from_rigid_transform(transform: RigidTransformLike) -> DualQuaternion:
     """The pose of a SciPy ``RigidTransform``, single or batch."""
+    if not isinstance(transform, RigidTransformLike):
+        raise TypeError(f"expected a RigidTransform of SciPy, got {type(transform).__name__}")
     return from_matrix(transform.as_matrix())
 
 
-def as_rigid_transform(q: DualQuaternion):
+def as_rigid_transform(q: PoseLike) -> Any:
     """The displacement [q] as a SciPy ``RigidTransform`` (floats; needs SciPy)."""
     from scipy.spatial.transform import RigidTransform
 

@@ -105,3 +105,8 @@ def named_rows(rows: Sequence[int]) -> str:
         return ""
     named = ", ".join(map(str, rows[:10])) + (", …" if len(rows) > 10 else "")
     return f"row{'s' if len(rows) > 1 else ''} {named}: "
+
+
+def rows_where(condition: Any) -> tuple[int, ...]:
+    """The rows of a batch where a condition holds; none for a single problem."""
+    return tuple(map(int, np.flatnonzero(condition))) if np.ndim(condition) else ()

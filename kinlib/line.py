@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from kinlib.dual_quaternion import DualQuaternion, as_dual_quaternion, primal_size, wrap
-from kinlib.errors import Fault, check_degenerate, first_fault, named_rows, report_faults
+from kinlib.errors import Fault, check_degenerate, first_fault, named_rows, report_faults, rows_where
 from kinlib.number_field import square_root
 from kinlib.scalar import (
     PARALLEL,
@@ -225,20 +225,18 @@ def _coordinates(l: np.ndarray, m: np.ndarray, noise: Any) -> np.ndarray:
     """Checked Plücker coordinates, shape (..., 6); a moment that is only rounding of numbers of that size is mended."""
     zero = np.all(is_zero(l, rtol=0), axis=-1)
     if np.any(zero):
-        raise ValueError(f"{_rows(zero)}expected a direction that is not zero")
+        raise ValueError(f"{named_rows(rows_where(zero))}expected a direction that is not zero")
     product = (l * m).sum(axis=-1)
     fits = np.asarray(is_zero(product, size(l, -1) * size(m, -1)))
     if not np.all(fits | np.isnan(size(l, -1))):
         rounded = is_zero(product, size(l, -1) * np.maximum(noise, size(l, -1)), own_precision(l, ROUNDING))
         wrong = ~(fits | rounded | np.isnan(size(l, -1)))
         if np.any(wrong):
-            raise ValueError(f"{_rows(wrong)}expected direction and moment to be perpendicular, as a × l is to l")
+            raise ValueError(
+                f"{named_rows(rows_where(wrong))}expected direction and moment to be perpendicular, as a × l is to l"
+            )
         m = np.where(fits[..., None], m, m - divide(product, (l * l).sum(axis=-1))[..., None] * l)
     return np.concatenate([l, m], axis=-1)
-
-
-def _rows(where: Any) -> str:
-    return named_rows(np.flatnonzero(where) if np.ndim(where) else [])
 
 
 def _dot(x: np.ndarray, y: np.ndarray) -> np.ndarray:

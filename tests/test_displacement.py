@@ -33,6 +33,7 @@ from kinlib import (
     translation,
     unit,
 )
+from kinlib.scalar import as_float
 from kinlib.testing import random_poses
 from strategies import fraction_vectors, fractions, lines, poses, rotations, vectors, whole
 
@@ -398,3 +399,140 @@ def test_vectors_have_three_coordinates(wrong):
         translation(wrong)
     with pytest.raises(ValueError, match=r"of shape \(\.\.\., 3\)"):
         act(i, wrong)
+
+
+@pytest.mark.parametrize("digits", [4, 6, 8, 12])
+def test_rounded_matrices_give_the_nearest_rotation(digits):
+    matrices = random_transforms(50, 1).as_matrix()
+    rounded = matrices.round(digits)
+    q = from_matrix(rounded, rtol=10.0**-digits)
+    exact = Rotation.from_matrix(rounded[:, :3, :3]).as_quat(scalar_first=True)  # SciPy takes the nearest one too
+    assert same_point(q.primal.coeffs[:, :4], exact).all()
+    assert q.norm().coeffs == pytest.approx(np.eye(8)[[0] * 50], abs=1e-14)
+    assert as_matrix(q)[:, :3, 3] == pytest.approx(rounded[:, :3, 3])
+
+
+def test_single_precision_is_judged_by_its_own():
+    matrices = random_transforms(50, 2).as_matrix().astype(np.float32)
+    q = from_matrix(matrices)
+    assert q.coeffs.dtype == float
+    assert as_pose(q).shape == (50,)
+    assert as_matrix(q) == pytest.approx(matrices, abs=1e-6)
+    with pytest.raises(ValueError, match="give rtol="):
+        from_matrix(matrices.astype(float))
+
+
+def test_the_error_about_a_matrix_says_row_size_and_remedy():
+    matrices = np.stack([np.eye(4)] * 5)
+    matrices[3, 0, 0] += 1e-6
+    with pytest.raises(
+        ValueError, match=r"row 3: expected a rotation .* R Rᵀ is off 1 by 2e-06.* give rtol="
+    ) as caught:
+        from_matrix(matrices)
+    advice = float(str(caught.value).rpartition("rtol=")[2])
+    assert from_matrix(matrices, rtol=advice).shape == (5,)
+    with pytest.raises(ValueError, match=r"rows 0, 1: .*reflection"):
+        from_matrix(np.stack([np.diag([1, 1, -1, 1])] * 2))
+    with pytest.raises(ValueError, match="row 1: expected the last row"):
+        from_matrix(np.stack([np.eye(4), np.diag([1, 1, 1, 2])]))
+
+
+def test_rows_that_are_no_displacements_may_become_nan():
+    matrices = np.stack([np.eye(4), np.diag([1, 1, -1, 1]), np.diag([1, 1, 1, 2]), np.full((4, 4), np.nan), np.eye(4)])
+    q = from_matrix(matrices, degenerate="nan")
+    assert np.isnan(q.coeffs).all(axis=-1).tolist() == [False, True, True, True, False]
+    assert q[4] == 1
+    whole = from_matrix(np.stack([np.eye(4, dtype=int), np.diag([1, 1, -1, 1])]), degenerate="nan")
+    assert np.isnan(whole.coeffs).all(axis=-1).tolist() == [False, True]
+    assert np.isnan(from_matrix(matrices[[0, 3]]).coeffs).all(axis=-1).tolist() == [False, True]
+
+
+@pytest.mark.parametrize("number", [math.nan, math.inf, 1j])
+def test_single_numbers_are_real_and_finite(number):
+    pose = DualQuaternion([number, 1, 0, 0, 0, 0, 0, 0])
+    for use in (
+        lambda: translation([number, 0, 0]),
+        lambda: act(1 + i, [number, 0, 0]),
+        lambda: act(pose, [1, 0, 0]),
+        lambda: act(pose, z_axis),
+        lambda: rotation(z_axis, number),
+        lambda: as_matrix(pose),
+        lambda: from_matrix(np.full((4, 4), number)),
+    ):
+        with pytest.raises(ValueError, match=r"expected (a )?(finite|real)"):
+            use()
+
+
+@pytest.mark.parametrize("number", [math.nan, math.inf, -math.inf])
+def test_rows_of_a_batch_that_are_not_finite_become_nan(number):
+    rows = np.array([[1.0, 0, 0], [number, 0, 0], [0, number, 2]])
+    poses = DualQuaternion([[1, 0.5, 0, 0, 0, 0, 0, 0], [1, 0, 0, 0, 0, number, 0, 0], [number] * 8])
+    results = (
+        translation(rows).coeffs,
+        act(1 + i, rows),
+        act(poses, [1, 2, 3]),
+        act(poses, z_axis).moment,
+        rotation(z_axis, rows[:, :2].sum(axis=-1)).coeffs,
+        as_matrix(poses)[:, :3].reshape(3, 12),
+    )
+    for result in results:
+        assert np.isnan(result).all(axis=-1).tolist() == [False, True, True]
+
+
+def test_rows_of_the_exceptional_space_may_become_nan():
+    for scalar in (one, 1.0 * one):
+        q = DualQuaternion.stack([one, eps * i, i]) * scalar
+        for use in (
+            lambda q, **kind: act(q, [1, 0, 0], **kind),
+            lambda q, **kind: act(q, z_axis, **kind).direction,
+            lambda q, **kind: as_matrix(q, **kind)[:, :3].reshape(3, 12),
+            lambda q, **kind: axis_of(q * (i + j), **kind).coeffs,
+        ):
+            with pytest.raises(DegenerateError, match="row 1: ") as caught:
+                use(q)
+            assert caught.value.rows == (1,)
+            assert np.isnan(use(q, degenerate="nan")).all(axis=-1).tolist() == [False, True, False]
+
+
+def test_poses_of_every_form_move_points():
+    q = translation([1, 2, 3]) * (1 + 2 * i + 2 * j)
+    for pose in (as_matrix(q), as_matrix(q).tolist(), as_rigid_transform(q)):
+        assert act(pose, [1, 1, 1]) == pytest.approx(as_float(act(q, [1, 1, 1])))
+        assert as_float(as_matrix(pose)) == pytest.approx(as_float(as_matrix(q)))
+    assert Line.from_dual_quaternion(axis_of(as_matrix(rotation(z_axis, 1.0)))).contains([0, 0, 5])
+
+
+@pytest.mark.parametrize("wrong", [None, "pose", 3, z_axis, {}])
+def test_other_things_are_no_displacements(wrong):
+    for use in (lambda w: act(w, [1, 0, 0]), as_matrix, as_rigid_transform, axis_of):
+        with pytest.raises(TypeError, match="expected a displacement"):
+            use(wrong)
+    with pytest.raises(TypeError, match="expected a RigidTransform"):
+        from_rigid_transform(wrong)
+    with pytest.raises(TypeError, match="expected a dual quaternion"):
+        unit(wrong)
+
+
+@pytest.mark.parametrize("wrong", [None, "line", [0, 0, 1], k])
+def test_other_things_are_no_axes(wrong):
+    for use in (half_turn, lambda w: rotation(w, 1.0)):
+        with pytest.raises(TypeError, match="expected a Line"):
+            use(wrong)
+
+
+@pytest.mark.parametrize("wrong", [None, "abc", i, z_axis, [None] * 3])
+def test_other_things_are_no_vectors_and_angles(wrong):
+    for use in (translation, lambda w: rotation(z_axis, w), from_matrix):
+        with pytest.raises(TypeError, match="expected numbers"):
+            use(wrong)
+
+
+@pytest.mark.parametrize("q", [eps, 0 * one, 0.0 * one])
+def test_zero_has_no_unit(q):
+    with pytest.raises(DegenerateError, match="primal part zero"):
+        unit(q)
+
+
+def test_angles_of_every_package():
+    for angle in (sympy.Float(0.5), sympy.Rational(1, 2), np.float64(0.5), Fraction(1, 2)):
+        assert rotation(z_axis, angle).coeffs == pytest.approx(rotation(z_axis, 0.5).coeffs)
