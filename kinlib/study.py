@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 
-from kinlib.dual_quaternion import DualQuaternion, dual_size, eps_times, primal_size
-from kinlib.errors import DegenerateError
+from kinlib.dual_quaternion import DualQuaternion, as_dual_quaternion, dual_size, eps_times, primal_size
+from kinlib.errors import DegenerateError, check_degenerate, named_rows, rows_where
 from kinlib.projective import Subspace
 from kinlib.quadric import Quadric
-from kinlib.scalar import RTOL, is_zero, size
+from kinlib.scalar import RTOL, as_float, is_zero, size
+from kinlib.typing import Degenerate
 
 __all__ = ["EXCEPTIONAL_SPACE", "NULL_CONE", "STUDY_QUADRIC", "is_null_line", "study_projection"]
 
@@ -36,12 +37,19 @@ def is_null_line(x: DualQuaternion, y: DualQuaternion, *, rtol: float = RTOL) ->
     rtol : float
         What counts as zero, relative to the size of x and y; exact scalars are compared exactly.
 
+    Raises
+    ------
+    ValueError
+        If x or y is a batch: one line is asked about.
+
     Examples
     --------
     >>> h1, h2 = i, j - eps * i                  # skew axes, one apart
     >>> is_null_line(1j - h1, (1j - h1) * h2)    # t1 = √−1 in equation (2)
     True
     """
+    if as_dual_quaternion(x).shape or as_dual_quaternion(y).shape:
+        raise ValueError(f"expected two single points, got batches of shapes {x.shape} and {y.shape}")
     conditions = (x.norm(), y.norm(), x * y.conjugate() + y * x.conjugate())
     (p, d), (r, e) = ((size(primal_size(q)), size(dual_size(q))) for q in (x, y))
     scales = ((p * p, p * d), (r * r, r * e), (p * r, p * e + d * r))
@@ -52,7 +60,7 @@ def is_null_line(x: DualQuaternion, y: DualQuaternion, *, rtol: float = RTOL) ->
     )
 
 
-def study_projection(q: DualQuaternion) -> DualQuaternion:
+def study_projection(q: DualQuaternion, *, degenerate: Degenerate = "raise") -> DualQuaternion:
     """The point of the Study quadric on the line that joins [q] to the point [εp] of E, p its primal part.
 
     With q q̄ = a + εb this is [q (2a − εb)]; it has the same orientation as q.
@@ -61,6 +69,8 @@ def study_projection(q: DualQuaternion) -> DualQuaternion:
     ----------
     q : DualQuaternion, shape (...)
         Not in the exceptional space.
+    degenerate : {"raise", "nan"}
+        What becomes of rows in the exceptional space.
 
     Raises
     ------
@@ -72,7 +82,14 @@ def study_projection(q: DualQuaternion) -> DualQuaternion:
     >>> study_projection(1 + eps)
     2
     """
-    a, b = q.norm().components[[0, 4]]
-    if np.any(is_zero(a, rtol=0)):
-        raise DegenerateError("the point lies on the null cone: its primal part has no direction")
-    return q * (2 * a) - eps_times(q) * b
+    check_degenerate(degenerate)
+    a, b = as_dual_quaternion(q).norm().components[[0, 4]]
+    zero = np.asarray(is_zero(a, rtol=0))
+    if zero.any() and degenerate == "raise":
+        rows = rows_where(zero)
+        message = "the point lies on the null cone: its primal part has no direction"
+        raise DegenerateError(named_rows(rows) + message, rows=rows)
+    projected = q * (2 * a) - eps_times(q) * b
+    if not zero.any():
+        return projected
+    return DualQuaternion(np.where(zero[..., None], np.nan, as_float(projected.coeffs)))

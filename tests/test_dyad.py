@@ -17,6 +17,7 @@ from kinlib import (
     DegenerateError,
     DualQuaternion,
     Dyad,
+    Line,
     act,
     as_matrix,
     eps,
@@ -31,6 +32,7 @@ from kinlib import (
     same_point,
     study_form,
     translation,
+    unit,
 )
 from kinlib.testing import assert_same_point
 from problems import (
@@ -340,3 +342,18 @@ def test_a_displaced_space_is_a_2r_space_through_another_pose(seed):
     expected = Dyad(*(g * h * g.conjugate() for h in (h1, h2)))
     assert distance_of_dyads(found, expected) < 1e-9
     assert np.allclose(act(g, Dyad(h1, h2).axes[0]).direction, expected.axes[0].direction)
+
+
+@pytest.mark.parametrize("seed", range(10))
+def test_coplanar_axes_in_floats_are_named(seed):
+    rng = np.random.default_rng(seed)
+    point, l1, l2 = rng.normal(size=(3, 3))
+    space = Dyad(*(unit(Line.at(point, l).as_dual_quaternion()) for l in (l1, l2))).space()
+    with pytest.raises(DegenerateError, match="the axes would be coplanar"):
+        recognise(space.points)
+
+
+@pytest.mark.parametrize("scalar", [1.0, 1e-9])
+def test_the_exceptional_space_is_no_space_of_a_dyad(scalar):
+    with pytest.raises(DegenerateError, match="exceptional three-space"):
+        recognise(scalar * np.eye(8, dtype=type(scalar))[4:])

@@ -1,5 +1,7 @@
 """Points and subspaces of projective space."""
 
+import copy
+import pickle
 from fractions import Fraction
 
 import numpy as np
@@ -8,7 +10,7 @@ import sympy
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
-from kinlib import DualQuaternion, Subspace, eps, i, j, join, k, meet, null_space, one, same_point, square_root
+from kinlib import DualQuaternion, Line, Subspace, eps, i, j, join, k, meet, null_space, one, same_point, square_root
 from strategies import dual_quaternions, fractions, several, whole
 
 a = square_root(2)
@@ -195,3 +197,78 @@ def test_a_subspace_does_not_change():
         plane.basis[0, 0] = 7
     with pytest.raises(AttributeError):
         plane.basis = source
+
+
+# What is asked, and what is not
+
+
+@pytest.mark.parametrize("number", [np.nan, np.inf, complex(0, np.nan)])
+def test_subspaces_are_finite(number):
+    for use in (
+        lambda: join(one, [number, 0, 0, 0, 0, 0, 0, 0]),
+        lambda: Subspace([[number, 1]]),
+        lambda: null_space([[number, 1]]),
+        lambda: join(one, i).contains(DualQuaternion([number] * 8)),
+    ):
+        with pytest.raises(ValueError, match="expected finite"):
+            use()
+    assert not same_point([number, 1], [number, 1])
+    assert same_point([[number, 1], [1, 2]], [2, 4]).tolist() == [False, True]
+
+
+def test_points_of_different_spaces():
+    for use in (
+        lambda: join(one, [1, 2, 3]),
+        lambda: same_point(one, [1, 2, 3]),
+        lambda: join(one, i).contains([1, 2, 3]),
+        lambda: meet(join(one, i), join([1, 2, 3])),
+    ):
+        with pytest.raises(ValueError, match="one projective space, got 3 and 8 coordinates"):
+            use()
+
+
+@pytest.mark.parametrize("wrong", [None, "x", {}, Line([1, 0, 0], [0, 0, 0]), [None]])
+def test_other_things_are_no_points(wrong):
+    for use in (join, Subspace, lambda w: same_point(one, w), lambda w: w in join(one, i)):
+        with pytest.raises(TypeError, match="expected numbers"):
+            use(wrong)
+    with pytest.raises(TypeError, match="expected a Subspace"):
+        meet(join(one, i), wrong)
+
+
+def test_shapes_are_said():
+    with pytest.raises(ValueError, match="got the number 3"):
+        join(3)
+    with pytest.raises(ValueError, match="got nothing"):
+        join()
+    with pytest.raises(ValueError, match=r"a matrix of shape \(m, n\)"):
+        null_space([1, 2])
+    with pytest.raises(ValueError, match=r"a basis of shape"):
+        Subspace([1, 2])
+
+
+def test_batches_of_any_shape_are_joined():
+    grid = DualQuaternion.stack([DualQuaternion.stack([one, i]), DualQuaternion.stack([j, one])])
+    assert join(grid).dimension == 2
+
+
+def test_copies_of_a_subspace_do_not_change():
+    source = np.array([[1.0, 0, 0], [0, 1, 0]])
+    for space in (Subspace(source), pickle.loads(pickle.dumps(Subspace(source))), copy.deepcopy(Subspace(source))):
+        assert space.dimension == 1
+        with pytest.raises(ValueError, match="read-only"):
+            space.basis[0, 0] = 7
+    source[:] = 0
+
+
+def test_null_spaces_of_rounding():
+    noise = 1e-17 * np.random.default_rng(0).normal(size=(3, 3))
+    assert len(null_space(noise)) == 0
+    assert len(null_space(noise, scale=1.0)) == 3
+
+
+@pytest.mark.parametrize("number", [sympy.Integer, sympy.Rational, np.int64])
+def test_numbers_of_every_package_span_alike(number):
+    rows = [[number(n) for n in row] for row in ([1, 2, 3], [4, 5, 6], [7, 8, 9])]
+    assert join(rows).dimension == 1
+    assert {type(c) for c in null_space(rows).ravel().tolist()} <= {int, Fraction}

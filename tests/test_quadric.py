@@ -1,5 +1,7 @@
 """Quadrics: their forms, tangents, sections and rulings."""
 
+import copy
+import pickle
 from fractions import Fraction
 
 import numpy as np
@@ -8,7 +10,19 @@ import sympy
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
-from kinlib import NumberFieldElement, Quadric, Subspace, binary_roots, j, join, one, same_point
+from kinlib import (
+    STUDY_QUADRIC,
+    DualQuaternion,
+    Line,
+    NumberFieldElement,
+    Quadric,
+    Subspace,
+    binary_roots,
+    j,
+    join,
+    one,
+    same_point,
+)
 from strategies import fractions, large, whole
 
 SADDLE = Quadric([[0, 0, 0, 1], [0, 0, -1, 0], [0, -1, 0, 0], [1, 0, 0, 0]])  # x₀x₃ = x₁x₂
@@ -195,3 +209,68 @@ def test_the_gram_matrix_takes_points_one_by_one():
     x, y = sympy.symbols("x y")
     Q = Quadric(np.diag([2, 0, 1, 0, 0, 0, 0, 0]))
     assert Q.gram([x * one + y * j, y * one]).tolist() == [[2 * x**2 + y**2, 2 * x * y], [2 * x * y, 2 * y**2]]
+
+
+@pytest.mark.parametrize("seed", range(20))
+@pytest.mark.parametrize("far", [0.0, 1.0, 1e3])
+def test_a_space_inside_the_study_quadric_is_known_in_floats(seed, far):
+    """The axes of two joints that meet, or are parallel, span a space in the quadric: what is left is rounding."""
+    rng = np.random.default_rng(seed)
+    point, l1, l2 = np.array([far, 1, 1]) * rng.normal(size=3), *rng.normal(size=(2, 3))
+    for other, direction in ((point, l2), (point + l2, l1)):
+        h1, h2 = (Line.at(*pair).as_dual_quaternion() for pair in ((point, l1), (other, direction)))
+        quadric = STUDY_QUADRIC.restrict(Subspace(DualQuaternion.stack([1.0 * one, h1, h2, h1 * h2]).coeffs))
+        assert (quadric.rank(), quadric.signature()) == (0, (0, 0))
+    skew = Line.at(point + np.cross(l1, l2), l2).as_dual_quaternion()
+    quadric = STUDY_QUADRIC.restrict(Subspace(DualQuaternion.stack([1.0 * one, h1, skew, h1 * skew]).coeffs))
+    assert (quadric.rank(), quadric.signature()) == (4, (2, 2))
+
+
+def test_a_quadric_may_be_told_what_was_added_up():
+    noise = Quadric([[1e-17, 0], [0, -1e-18]])
+    assert (noise.rank(), noise.signature()) == (2, (1, 1))
+    known = Quadric(noise.matrix, scale=1.0)
+    assert (known.rank(), known.signature()) == (0, (0, 0))
+
+
+@pytest.mark.parametrize("number", [np.nan, np.inf])
+def test_quadrics_are_finite(number):
+    with pytest.raises(ValueError, match="expected finite"):
+        Quadric([[number, 0], [0, 1]])
+
+
+@pytest.mark.parametrize("wrong", [None, "x", {}, [[None]]])
+def test_other_things_are_no_points_and_matrices(wrong):
+    for use in (
+        Quadric,
+        STUDY_QUADRIC.contains,
+        STUDY_QUADRIC.tangent_hyperplane,
+        lambda w: STUDY_QUADRIC.form(one, w),
+    ):
+        with pytest.raises(TypeError, match="expected numbers"):
+            use(wrong)
+    with pytest.raises(TypeError, match="expected a Subspace"):
+        STUDY_QUADRIC.restrict(wrong)
+    if wrong != [[None]] and wrong != {}:
+        with pytest.raises(TypeError, match="expected numbers"):
+            binary_roots(1, wrong, 2)
+
+
+def test_points_of_another_space():
+    for use in (STUDY_QUADRIC.contains, STUDY_QUADRIC.tangent_hyperplane, lambda x: STUDY_QUADRIC.gram([one, x])):
+        with pytest.raises(ValueError, match=r"expected points of shape \(\.\.\., 8\), got \(3,\)"):
+            use([1, 2, 3])
+
+
+def test_copies_of_a_quadric_do_not_change():
+    quadric = Quadric([[1.0, 0], [0, 1]], scale=2)
+    for again in (pickle.loads(pickle.dumps(quadric)), copy.deepcopy(quadric)):
+        assert again.scale == 2
+        with pytest.raises(ValueError, match="read-only"):
+            again.matrix[0, 0] = 7
+
+
+def test_roots_of_very_large_and_very_small_forms():
+    tiny, huge = Fraction(1, 10**400), 10**400
+    assert binary_roots(tiny, 0, -4 * tiny) == binary_roots(huge, 0, -4 * huge) == binary_roots(1, 0, -4)
+    assert binary_roots(sympy.Integer(1), 0, sympy.Integer(-4)) == binary_roots(1, 0, -4)

@@ -198,3 +198,26 @@ def test_the_exceptional_space_has_no_projection(q):
 def test_the_form_of_skew_lines():
     assert study_form(h1, h2) == -1
     assert is_zero(study_form(h1, h1))
+
+
+def test_rows_of_the_exceptional_space_may_become_nan():
+    for q in (DualQuaternion.stack([1 + eps, eps, i]), 1.0 * DualQuaternion.stack([1 + eps, eps, i])):
+        with pytest.raises(DegenerateError, match="row 1: ") as caught:
+            study_projection(q)
+        assert caught.value.rows == (1,)
+        projected = study_projection(q, degenerate="nan")
+        assert np.isnan(projected.coeffs).all(axis=-1).tolist() == [False, True, False]
+        assert projected[0] == 2
+
+
+@pytest.mark.parametrize("wrong", [None, [1] * 8, np.eye(4), "x"])
+def test_other_things_are_no_points_of_the_seven_space(wrong):
+    for use in (study_projection, lambda w: is_null_line(i, w), lambda w: is_null_line(w, i)):
+        with pytest.raises(TypeError, match="expected a dual quaternion"):
+            use(wrong)
+
+
+def test_a_null_line_is_one_line():
+    batch = DualQuaternion.stack([eps, eps * i])
+    with pytest.raises(ValueError, match="expected two single points"):
+        is_null_line(batch, eps * j)
