@@ -230,7 +230,7 @@ def _exact_quotient(x, y):
 _quotient = np.frompyfunc(_exact_quotient, 2, 1)
 
 
-def is_zero(values: ArrayLike, scale: ArrayLike = 1.0, rtol: float = RTOL) -> Any:
+def is_zero(values: ArrayLike, scale: ArrayLike = 1.0, rtol: ArrayLike = RTOL) -> Any:
     """Whether numbers vanish: exact ones exactly, floats up to ``rtol * scale``.
 
     SymPy expressions are expanded, so a polynomial identity is recognised; with sines and cosines they are simplified.
@@ -241,7 +241,7 @@ def is_zero(values: ArrayLike, scale: ArrayLike = 1.0, rtol: float = RTOL) -> An
         Any scalars, any shape.
     scale : array_like
         The size that floats are compared with.
-    rtol : float
+    rtol : float or array_like
         The relative tolerance for floats; not below :data:`RTOL_SINGLE` for numbers in single precision, but for
         ``rtol=0``, which asks for exact zeros.
 
@@ -269,9 +269,11 @@ def is_zero(values: ArrayLike, scale: ArrayLike = 1.0, rtol: float = RTOL) -> An
     return bool(answers) if np.ndim(answers) == 0 else answers
 
 
-def own_precision(array: np.ndarray, rtol: float) -> float:
+def own_precision(array: np.ndarray, rtol: Any) -> Any:
     """The tolerance that an array can be held to: numbers in single precision are judged by their own."""
-    return max(rtol, RTOL_SINGLE) if rtol and array.dtype in (np.float32, np.complex64, np.float16) else rtol
+    if array.dtype.char not in "efF":
+        return rtol
+    return np.where(np.asarray(rtol) > 0, np.maximum(rtol, RTOL_SINGLE), rtol)[()]
 
 
 def _object_zero(x, scale, rtol) -> bool:
