@@ -86,7 +86,8 @@ def rotation(line: Line, angle: ScalarLike | Array) -> DualQuaternion:
     if hasattr(angle, "free_symbols") and hasattr(plain(angle), "free_symbols"):
         from sympy import cos, sin, sqrt, sympify
 
-        return h / sqrt(sympify(null_form(h, h))) * sin(angle / 2) + cos(angle / 2)
+        half = sympify(angle) / 2
+        return h / sqrt(sympify(null_form(h, h))) * sin(half) + cos(half)
     half = _angles(angle) / 2
     return unit(h.astype(float)) * np.sin(half) + np.cos(half)
 
@@ -154,7 +155,7 @@ def axis_of(h: PoseLike, *, degenerate: Degenerate = "raise") -> DualQuaternion:
 NO_AXIS = "the primal part is a number: the identity and translations have no axis"
 
 
-def _rational_root(square):
+def _rational_root(square: Any) -> Any:
     """The root of an exact number if it lies in the same field, else 1."""
     try:
         root = square_root(square)
@@ -163,7 +164,7 @@ def _rational_root(square):
     return root if type(root) in (type(divide(square, 1)), type(square)) else 1
 
 
-def _matrix_formula(q):
+def _matrix_formula(q: Any) -> tuple[Any, Any]:
     """The rotation matrix and the translation vector of equation (1), in components.
 
     x ↦ (p x p̄ + d p̄ − p d̄) / (p p̄) is x + 2 p × (p0 x + p × x) / (p p̄) + 2 (d p̄ without its real part) / (p p̄).
@@ -182,17 +183,17 @@ def _matrix_formula(q):
     return turn, shift
 
 
-def _turned(turn, x):
+def _turned(turn: Any, x: Any) -> tuple[Any, ...]:
     x1, x2, x3 = x
     return tuple(a * x1 + b * x2 + c * x3 for a, b, c in turn)
 
 
-def _point_formula(q, x):
+def _point_formula(q: Any, x: Any) -> tuple[Any, ...]:
     turn, shift = _matrix_formula(q)
     return tuple(y + t for y, t in zip(_turned(turn, x), shift, strict=True))
 
 
-def _line_formula(q, line):
+def _line_formula(q: Any, line: Any) -> tuple[Any, ...]:
     """The direction turns; the moment turns and gains shift × (turned direction)."""
     turn, (t1, t2, t3) = _matrix_formula(q)
     l1, l2, l3 = _turned(turn, line[:3])

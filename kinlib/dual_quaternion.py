@@ -165,7 +165,7 @@ class DualQuaternion:
         return self.conjugate() * self._from_dual_number(divide(1, a), divide(-b, a * a))
 
     @classmethod
-    def _from_dual_number(cls, real, dual) -> DualQuaternion:
+    def _from_dual_number(cls, real: Any, dual: Any) -> DualQuaternion:
         real, dual = np.asarray(real), np.asarray(dual)
         components = np.zeros((8, *real.shape), dtype=np.result_type(real, dual))
         components[0], components[4] = real, dual
@@ -431,7 +431,7 @@ def _embedded(scalar: Any, company: np.ndarray) -> DualQuaternion:
     return wrap(components)
 
 
-def _signed(components: np.ndarray, signs) -> np.ndarray:
+def _signed(components: np.ndarray, signs: tuple[int, ...]) -> np.ndarray:
     small = np.array(signs, dtype=np.int8)  # beside single precision, which it leaves as it is
     return components * small.reshape((8,) + (1,) * (components.ndim - 1))
 
@@ -439,7 +439,8 @@ def _signed(components: np.ndarray, signs) -> np.ndarray:
 def _aligned(a: np.ndarray, b: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Insert axes behind the components, so that the batches broadcast from the right."""
     batch = max(a.ndim, b.ndim) - 1
-    return tuple(x.reshape(x.shape[:1] + (1,) * (batch - x.ndim + 1) + x.shape[1:]) for x in (a, b))
+    a, b = (x.reshape(x.shape[:1] + (1,) * (batch - x.ndim + 1) + x.shape[1:]) for x in (a, b))
+    return a, b
 
 
 def _aligned_sum(a: np.ndarray, b: np.ndarray) -> np.ndarray:
@@ -457,7 +458,7 @@ def _scaled(components: np.ndarray, scalar: np.ndarray) -> np.ndarray:
     return components * scalar
 
 
-def _product_formula(a, b):
+def _product_formula(a: Any, b: Any) -> tuple[Any, ...]:
     """(p + εd)(r + εe) = pr + ε(pe + dr), written out; each component may be a number or an array."""
     p0, p1, p2, p3, d0, d1, d2, d3 = a
     r0, r1, r2, r3, e0, e1, e2, e3 = b
@@ -481,7 +482,7 @@ def _product(a: np.ndarray, b: np.ndarray) -> np.ndarray:
     return blockwise(_product_formula, a, b, rows=8)
 
 
-def blockwise(formula, *operands: np.ndarray, rows: int) -> np.ndarray:
+def blockwise(formula: Callable[..., tuple[Any, ...]], *operands: np.ndarray, rows: int) -> np.ndarray:
     """Apply a formula on components to arrays (components, ...), a cache-sized block of the batch at a time.
 
     Parameters
@@ -500,11 +501,11 @@ def blockwise(formula, *operands: np.ndarray, rows: int) -> np.ndarray:
     operands = promote(*operands)
     shape = np.broadcast_shapes(*[x.shape[1:] for x in operands])
     total, dtype = math.prod(shape), np.result_type(*operands)
-    operands = [x if x.ndim == 1 else _flat(x, shape, total) for x in operands]
+    flat = [x if x.ndim == 1 else _flat(x, shape, total) for x in operands]
     result = np.empty((rows, total), dtype=dtype)
     for start in range(0, total, BLOCK):
         block = slice(start, start + BLOCK)
-        values = formula(*[x if x.ndim == 1 else x[:, block] for x in operands])
+        values = formula(*[x if x.ndim == 1 else x[:, block] for x in flat])
         for row, value in zip(result, values, strict=True):
             row[block] = value
     return result.reshape(rows, *shape)

@@ -16,6 +16,7 @@ from kinlib.scalar import (
     ROUNDING,
     RTOL,
     as_float,
+    as_scalars,
     as_text,
     as_vectors,
     divide,
@@ -66,9 +67,10 @@ class Line:
     @classmethod
     def from_components(cls, components: VectorLike) -> Line:
         """The line of Plücker coordinates with the six components first, shape (6, ...)."""
-        rows = np.moveaxis(np.asarray(components), 0, -1)
-        if rows.shape[-1] != 6:
-            raise ValueError(f"expected Plücker coordinates of shape (6, ...), got {np.shape(components)}")
+        array = as_scalars(components)
+        if array.ndim == 0 or len(array) != 6:
+            raise ValueError(f"expected Plücker coordinates of shape (6, ...), got {array.shape}")
+        rows = np.moveaxis(array, 0, -1)
         return cls(rows[..., :3], rows[..., 3:])
 
     @classmethod
@@ -300,7 +302,9 @@ def common_perpendicular(
     along_second = divide(_dot(np.cross(way, first.direction), normal), square)
     start = first.foot()
     feet = start + along_first * first.direction, start + way + along_second * second.direction
-    return tuple(np.where(bad, np.nan, as_float(foot)) for foot in feet) if bad.any() else feet
+    if bad.any():
+        return np.where(bad, np.nan, as_float(feet[0])), np.where(bad, np.nan, as_float(feet[1]))
+    return feet
 
 
 def _is_loose(first: Line, second: Line, way: np.ndarray, normal: np.ndarray) -> Any:

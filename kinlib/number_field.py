@@ -81,7 +81,7 @@ class NumberField:
             self._bounds[digits] = round(near * 10**digits), 1 + int(abs(near))
         return self._bounds[digits]
 
-    def __reduce__(self):
+    def __reduce__(self) -> tuple[Any, ...]:
         return NumberField, (self.root,)
 
     def __eq__(self, other: object) -> bool:
@@ -97,7 +97,7 @@ class NumberField:
         return f"ℚ(a), a = {float(self.root):.6g} a root of {minimal.as_expr()}"
 
 
-def _real_algebraic(root):
+def _real_algebraic(root: Any) -> Any:
     from sympy import Expr, sympify
 
     root = sympify(root) if isinstance(root, (int, Fraction)) else root
@@ -108,7 +108,7 @@ def _real_algebraic(root):
     return root
 
 
-def _rational_near(root, digits: int) -> Fraction:
+def _rational_near(root: Any, digits: int) -> Fraction:
     """A number of SymPy to so many significant digits, as a fraction."""
     from sympy import Rational as Exact
 
@@ -116,7 +116,7 @@ def _rational_near(root, digits: int) -> Fraction:
     return Fraction(int(near.p), int(near.q))
 
 
-def _rational(x):
+def _rational(x: Any) -> Any:
     from sympy import QQ
 
     x = int(x) if isinstance(x, (int, np.bool_)) else plain(x)
@@ -139,11 +139,11 @@ class NumberFieldElement:
 
     __slots__ = ("field", "value")
 
-    def __init__(self, field: NumberField, value):
+    def __init__(self, field: NumberField, value: Any):
         self.field = field
         self.value = value
 
-    def _operate(self, other, operation):
+    def _operate(self, other: Any, operation: Callable[[Any, Any], Any]) -> Any:
         if isinstance(other, NumberFieldElement):
             if other.field != self.field:
                 raise ValueError(f"numbers of two fields do not mix: {self.field!r} and {other.field!r}")
@@ -156,24 +156,24 @@ class NumberFieldElement:
             return operation(self.as_sympy(), other)
         return NotImplemented
 
-    def __add__(self, other):
+    def __add__(self, other: Any) -> Any:
         return self._operate(other, lambda x, y: x + y)
 
-    def __sub__(self, other):
+    def __sub__(self, other: Any) -> Any:
         return self._operate(other, lambda x, y: x - y)
 
-    def __rsub__(self, other):
+    def __rsub__(self, other: Any) -> Any:
         return self._operate(other, lambda x, y: y - x)
 
-    def __mul__(self, other):
+    def __mul__(self, other: Any) -> Any:
         return self._operate(other, lambda x, y: x * y)
 
-    def __truediv__(self, other):
+    def __truediv__(self, other: Any) -> Any:
         if not other:
             raise ZeroDivisionError("division by zero")
         return self._operate(other, lambda x, y: x / y)
 
-    def __rtruediv__(self, other):
+    def __rtruediv__(self, other: Any) -> Any:
         if not self:
             raise ZeroDivisionError("division by zero")
         return self._operate(other, lambda x, y: y / x)
@@ -189,13 +189,13 @@ class NumberFieldElement:
             return 1 / self ** -int(exponent)
         return NumberFieldElement(self.field, self.value ** int(exponent))
 
-    def __pos__(self):
+    def __pos__(self) -> NumberFieldElement:
         return self
 
-    def __neg__(self):
+    def __neg__(self) -> NumberFieldElement:
         return NumberFieldElement(self.field, -self.value)
 
-    def __abs__(self):
+    def __abs__(self) -> NumberFieldElement:
         return -self if self < 0 else self
 
     def __bool__(self) -> bool:
@@ -250,7 +250,7 @@ class NumberFieldElement:
         """The rational coefficients of the polynomial in a, highest power first."""
         return [Fraction(int(c.numerator), int(c.denominator)) for c in self.value.to_list()] or [Fraction(0)]
 
-    def __reduce__(self):
+    def __reduce__(self) -> tuple[Any, ...]:
         return NumberField.element, (self.field, self.coefficients)
 
     def as_sympy(self) -> Any:
@@ -356,7 +356,7 @@ def _term(coefficient: Fraction, power: int) -> str:
     name = {0: "", 1: "a"}.get(power, f"a**{power}")
     if not name:
         return str(coefficient)
-    factor = {1: "", -1: "-"}.get(coefficient, f"{coefficient}*")
+    factor = {Fraction(1): "", Fraction(-1): "-"}.get(coefficient, f"{coefficient}*")
     return factor + name
 
 
@@ -396,7 +396,7 @@ def square_root(x: ArrayLike) -> Any:
     return np.sqrt(array)[()]
 
 
-def _exact_root(x):
+def _exact_root(x: Any) -> Any:
     if hasattr(x, "free_symbols"):
         from sympy import sqrt
 
@@ -412,7 +412,7 @@ def _exact_root(x):
     return _rational_root(Fraction(x))
 
 
-def _rational_root(x: Fraction):
+def _rational_root(x: Fraction) -> Any:
     product = x.numerator * x.denominator
     root = math.isqrt(product)
     if root * root == product:
@@ -424,7 +424,7 @@ def _rational_root(x: Fraction):
     return field.generator * Fraction(math.isqrt(product // square_free), x.denominator)
 
 
-def _root_in_field(x: NumberFieldElement):
+def _root_in_field(x: NumberFieldElement) -> Any:
     from sympy import Poly, Symbol
 
     domain = x.field.domain

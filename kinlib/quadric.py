@@ -150,10 +150,11 @@ class Quadric:
         directions = [y for y in tangent if not same_point(x, y)]
         pair = directions[:2] if _independent(x, directions[0], directions[1]) else directions[1:]
         roots = binary_roots(*(self.form(pair[a], pair[b]) for a, b in ((0, 0), (0, 1), (1, 1))))
-        return tuple(Subspace(np.array([x, s * pair[0] + t * pair[1]])) for s, t in roots)
+        first, second = (Subspace(np.array([x, s * pair[0] + t * pair[1]])) for s, t in roots)
+        return first, second
 
 
-def _independent(*rows) -> bool:
+def _independent(*rows: Any) -> bool:
     return len(null_space(np.array(rows))) == len(rows[0]) - len(rows)
 
 
@@ -175,7 +176,12 @@ def binary_roots(a: ScalarLike, b: ScalarLike, c: ScalarLike) -> tuple[tuple[Any
     >>> binary_roots(1, 0, -4)
     ((Fraction(2, 1), 1), (Fraction(-2, 1), 1))
     """
-    a, b, c = (plain(x) for x in (a, b, c))
+    return _binary_roots(*(plain(x) for x in (a, b, c)))
+
+
+def _binary_roots(a: Any, b: Any, c: Any) -> tuple[tuple[Any, Any], tuple[Any, Any]]:
+    if any(isinstance(x, complex) for x in (a, b, c)):
+        raise ValueError("expected a real form, got complex coefficients")
     scale = size([a, b, c])
     if np.all(is_zero(np.array([a, b, c]), rtol=0)):
         raise ValueError("every point is a root of the form 0")

@@ -100,7 +100,7 @@ def as_scalars(values: ArrayLike) -> np.ndarray:
     return array
 
 
-def _refuse_algebras(values) -> None:
+def _refuse_algebras(values: Any) -> None:
     """Dual quaternions and their like are no scalars, although NumPy could read their coefficients."""
     while isinstance(values, (list, tuple)) and values:
         values = values[0]
@@ -108,7 +108,7 @@ def _refuse_algebras(values) -> None:
         raise TypeError(f"expected numbers, got {type(values).__name__} {values!r}")
 
 
-def _rescue_large_integers(values, array: np.ndarray) -> np.ndarray:
+def _rescue_large_integers(values: Any, array: np.ndarray) -> np.ndarray:
     """NumPy turns a list like [2**63, -1] into floats; keep its integers instead."""
     objects = np.array(values, dtype=object)
     whole = all(isinstance(x, (int, np.integer)) for x in objects.ravel())
@@ -161,7 +161,7 @@ def plain(x: Any) -> Any:
     return x
 
 
-def _plain_expression(x):
+def _plain_expression(x: Any) -> Any:
     """An expression of SymPy; if it has floating-point numbers in it and no symbol, a float."""
     from sympy import Expr, Float, S
 
@@ -223,14 +223,14 @@ def divide(numerator: ArrayLike, denominator: ArrayLike) -> Any:
     return _quotient(*(np.asarray(x).astype(object) for x in (numerator, denominator)))
 
 
-def _exact_quotient(x, y):
+def _exact_quotient(x: Any, y: Any) -> Any:
     return Fraction(x, y) if isinstance(x, int) and isinstance(y, int) else x / y
 
 
 _quotient = np.frompyfunc(_exact_quotient, 2, 1)
 
 
-def is_zero(values: ArrayLike, scale: ArrayLike = 1.0, rtol: ArrayLike = RTOL) -> Any:
+def is_zero(values: ArrayLike, scale: Any = 1.0, rtol: Any = RTOL) -> Any:
     """Whether numbers vanish: exact ones exactly, floats up to ``rtol * scale``.
 
     SymPy expressions are expanded, so a polynomial identity is recognised; with sines and cosines they are simplified.
@@ -276,7 +276,7 @@ def own_precision(array: np.ndarray, rtol: Any) -> Any:
     return np.where(np.asarray(rtol) > 0, np.maximum(rtol, RTOL_SINGLE), rtol)[()]
 
 
-def _object_zero(x, scale, rtol) -> bool:
+def _object_zero(x: Any, scale: Any, rtol: Any) -> bool:
     if isinstance(x, (float, complex)) or getattr(x, "is_Float", False):
         return bool(abs(x) <= rtol * scale)
     if not hasattr(x, "free_symbols"):
@@ -310,7 +310,7 @@ def size(values: ArrayLike, axis: int | tuple[int, ...] | None = None) -> Any:
     return float(largest) if axis is None else largest * 1.0
 
 
-def _absolute(x) -> float:
+def _absolute(x: Any) -> float:
     try:
         return abs(complex(x))
     except OverflowError:  # an exact number beyond all floats

@@ -270,6 +270,11 @@ def test_copies_of_a_quadric_do_not_change():
             again.matrix[0, 0] = 7
 
 
+def test_roots_are_of_real_forms():
+    with pytest.raises(ValueError, match="expected a real form"):
+        binary_roots(1j, 0, 1)
+
+
 def test_roots_of_very_large_and_very_small_forms():
     tiny, huge = Fraction(1, 10**400), 10**400
     assert binary_roots(tiny, 0, -4 * tiny) == binary_roots(huge, 0, -4 * huge) == binary_roots(1, 0, -4)
