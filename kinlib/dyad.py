@@ -407,6 +407,8 @@ def _of_one_space(points: DualQuaternion, rtol: float) -> Dyad:
     middle, before = middle_of(rows), np.max(dual_size(rows))
     rows = moved_origin(rows, middle)
     length = float(np.max(dual_size(rows))) or 1.0
+    if length <= 1e-10 * before:  # nothing but rounding is left about the middle: all axes meet there
+        length = float(before)
     rtol = max(rtol, 1e-13 * before / length)  # what the distance from the origin has cost
     dyad = _recognised(_three_space(stretched(rows, 1 / length), rtol), rtol)
     return Dyad(*(moved_origin(stretched(h, length), -middle) for h in (dyad.h1, dyad.h2)))

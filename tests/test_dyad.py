@@ -344,7 +344,7 @@ def test_a_displaced_space_is_a_2r_space_through_another_pose(seed):
     assert np.allclose(act(g, Dyad(h1, h2).axes[0]).direction, expected.axes[0].direction)
 
 
-@pytest.mark.parametrize("seed", range(10))
+@pytest.mark.parametrize("seed", range(40))
 def test_coplanar_axes_in_floats_are_named(seed):
     rng = np.random.default_rng(seed)
     point, l1, l2 = rng.normal(size=(3, 3))

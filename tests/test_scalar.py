@@ -11,7 +11,8 @@ import sympy
 from hypothesis import given
 from hypothesis import strategies as st
 
-from kinlib import DualQuaternion, i, j, one, same_point, square_root
+from kinlib import DualQuaternion, bennett_linkage, i, j, one, same_point, square_root
+from kinlib.gallery import FIELD_OF_DEGREE_SIX
 from kinlib.scalar import (
     as_float,
     as_scalars,
@@ -223,6 +224,13 @@ def test_sympys_whole_numbers_cost_what_pythons_cost():
     """The arithmetic behind a product is the same, since the numbers are."""
     q = DualQuaternion([sympy.Integer(n) for n in range(1, 9)])
     assert {type(c) for c in (q * q.inverse()).coeffs.tolist()} <= {int, Fraction}
+
+
+@pytest.mark.parametrize("number", [sympy.Integer, sympy.Rational, lambda n: np.int64(int(n))])
+def test_a_problem_in_the_numbers_of_another_package_is_the_same_problem(number):
+    poses = [pose.map(number) for pose in FIELD_OF_DEGREE_SIX]
+    assert [type(c) for pose in poses for c in pose.coeffs.tolist()] == [int] * 24
+    assert (bennett_linkage(*poses).axes == bennett_linkage(*FIELD_OF_DEGREE_SIX).axes).all()
 
 
 @pytest.mark.parametrize("wrong", [sympy.true, sympy.FiniteSet(1), i, [i, j], [[i]]])
