@@ -143,6 +143,7 @@ def axis_of(h: PoseLike, *, degenerate: Degenerate = "raise") -> DualQuaternion:
     >>> axis_of(3 + 2 * (j - eps * i))
     j - εi
     """
+    check_degenerate(degenerate)
     components = displacement(h).components.copy()
     components[[0, 4]] = 0
     v = wrap(components)
@@ -241,11 +242,12 @@ def act(q: PoseLike, x: PointLike | Line, *, degenerate: Degenerate = "raise") -
 
 def _divisible(q: PoseLike, degenerate: str) -> np.ndarray:
     """Components of a pose, whose primal part must not vanish; whole numbers as fractions."""
+    check_degenerate(degenerate)
     q = displacement(q)
     if q.components.dtype.kind == "c":
         raise ValueError("expected a real displacement, got complex coefficients: it moves points out of real space")
-    zero = _refuse(is_zero(null_form(q, q), rtol=0), EXCEPTIONAL, degenerate)
-    if np.any(zero):
+    zero = is_zero(null_form(q, q), rtol=0)
+    if zero is not False and np.any(_refuse(zero, EXCEPTIONAL, degenerate)):
         q = DualQuaternion(np.where(np.asarray(zero)[..., None], np.nan, as_float(q.coeffs)))
     if q.components.dtype.kind != "f":
         return divide(q.components, 1)
@@ -259,7 +261,6 @@ EXCEPTIONAL = "the point lies in the exceptional three-space (primal part zero):
 
 def _refuse(where: Any, message: str, degenerate: str) -> Any:
     """Raise an error about rows, or say again where they are."""
-    check_degenerate(degenerate)
     if degenerate == "raise" and np.any(where):
         rows = rows_where(where)
         raise DegenerateError(named_rows(rows) + message, rows=rows)
