@@ -95,6 +95,8 @@ class DualQuaternion:
         >>> DualQuaternion.stack([i, j, k]).shape
         (3,)
         """
+        if not isinstance(items, Iterable):
+            raise TypeError(f"expected dual quaternions to stack, got {type(items).__name__}")
         items = [as_dual_quaternion(item) for item in items]
         if not items:
             raise ValueError("expected at least one dual quaternion to stack")

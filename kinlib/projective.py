@@ -211,6 +211,8 @@ def _rows(thing: Any) -> np.ndarray:
     if isinstance(thing, Subspace):
         return thing.basis
     rows = np.atleast_2d(coordinates_of(thing))
+    if not rows.shape[-1]:
+        raise ValueError("expected homogeneous coordinates of shape (..., n+1), got none")
     return rows.reshape(-1, rows.shape[-1])
 
 

@@ -141,9 +141,11 @@ class Quadric:
         >>> [0, 1, 0, 0] in first, [0, 0, 1, 0] in second
         (True, True)
         """
-        if len(self.matrix) != 4 or not self.contains(x):
+        if len(self.matrix) != 4 or not np.all(self.contains(x)):
             raise ValueError("expected a point on a quadric surface of three-dimensional space")
         x = self._coordinates(x)
+        if x.ndim != 1:
+            raise ValueError(f"expected a single point, got a batch of shape {x.shape[:-1]}")
         tangent = null_space(self.tangent_hyperplane(x)[None])
         if len(tangent) == 4:
             raise ValueError("the surface is singular at this point")
@@ -176,10 +178,13 @@ def binary_roots(a: ScalarLike, b: ScalarLike, c: ScalarLike) -> tuple[tuple[Any
     >>> binary_roots(1, 0, -4)
     ((Fraction(2, 1), 1), (Fraction(-2, 1), 1))
     """
+    if any(isinstance(x, (np.ndarray, list, tuple)) for x in (a, b, c)):
+        raise TypeError("expected three numbers a, b, c, got arrays")
     return _binary_roots(*(plain(x) for x in (a, b, c)))
 
 
 def _binary_roots(a: Any, b: Any, c: Any) -> tuple[tuple[Any, Any], tuple[Any, Any]]:
+    check_finite(as_scalars([a, b, c]), "coefficients")
     if any(isinstance(x, complex) for x in (a, b, c)):
         raise ValueError("expected a real form, got complex coefficients")
     scale = size([a, b, c])

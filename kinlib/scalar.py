@@ -86,7 +86,12 @@ def as_scalars(values: ArrayLike) -> np.ndarray:
     """
     if not isinstance(values, np.ndarray):
         _refuse_algebras(values)
-    array = np.array(values)
+    try:
+        array = np.array(values)
+    except ValueError:
+        raise ValueError(
+            "expected an array of numbers, got an inhomogeneous shape: rows of different lengths"
+        ) from None
     kind = array.dtype.kind
     if kind == "f" and isinstance(values, (list, tuple)):
         array = _rescue_large_integers(values, array)

@@ -279,3 +279,14 @@ def test_roots_of_very_large_and_very_small_forms():
     tiny, huge = Fraction(1, 10**400), 10**400
     assert binary_roots(tiny, 0, -4 * tiny) == binary_roots(huge, 0, -4 * huge) == binary_roots(1, 0, -4)
     assert binary_roots(sympy.Integer(1), 0, sympy.Integer(-4)) == binary_roots(1, 0, -4)
+
+
+@pytest.mark.parametrize("wrong", [[1, 2], np.ones(3)])
+def test_roots_are_of_three_numbers(wrong):
+    with pytest.raises(TypeError, match="expected three numbers"):
+        binary_roots(1, wrong, 2)
+
+
+def test_rulings_pass_through_one_point():
+    with pytest.raises(ValueError, match="expected a single point"):
+        SADDLE.rulings_through(np.eye(4, dtype=int))
