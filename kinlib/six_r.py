@@ -2,14 +2,19 @@
 
 from __future__ import annotations
 
-import math
+from functools import reduce
 from itertools import combinations, permutations
 
-from kinlib.factorization import check_factors, factor_in_orders, quadratic_factors
-from kinlib.interpolation import cubics_through, fourth_parameters
+import numpy as np
+
+from kinlib.cubics import MET, CubicFamilies, CubicFault, families_of
+from kinlib.dual_quaternion import DualQuaternion, eps_times, null_form, study_form
+from kinlib.factorization import FactorFault, factored
+from kinlib.interpolation import Families
 from kinlib.linkage import Linkage
-from kinlib.motion_polynomial import MotionPolynomial
-from kinlib.poses import as_pose
+from kinlib.poses import gap
+from kinlib.scalar import divide
+from kinlib.typing import Array, ArrayLike, Degenerate, PoseLike, ScalarLike
 
 __all__ = ["ADMISSIBLE_PAIRS", "six_r_linkages"]
 
@@ -20,21 +25,40 @@ ADMISSIBLE_PAIRS = tuple(
 )
 """The nine pairs of factorizations, by number, with different first and different last quadratic factors."""
 
+FACTOR_FAULTS = {
+    FactorFault.REAL_ROOT: CubicFault.REAL_ROOT,
+    FactorFault.REAL_FACTOR: CubicFault.UNSPLIT,
+    FactorFault.UNSPLIT: CubicFault.UNSPLIT,
+}
 
-def six_r_linkages(p0, p1, p2, p3, free=0) -> tuple[Linkage, ...]:
+
+def six_r_linkages(
+    p0: PoseLike,
+    p1: PoseLike,
+    p2: PoseLike,
+    p3: PoseLike,
+    free: ScalarLike | ArrayLike = 0,
+    *,
+    degenerate: Degenerate = "raise",
+) -> Families:
     """The 6R linkages whose couplers visit four poses: nine for each real family of cubics.
 
     Parameters
     ----------
     p0, p1, p2, p3 : DualQuaternion, 4×4 matrix or RigidTransform
-        Four poses in general position.
-    free : scalar
+        Four poses in general position; batches broadcast.
+    free : scalar or array_like
         The position in the family, see :func:`~kinlib.cubics_through`.
+    degenerate : {"raise", "nan"}
+        What becomes of rows of a batch without linkages.  An error names them; with NaN all eighteen are returned
+        in any case, and NaN stands where there is none.
 
     Returns
     -------
-    tuple of Linkage
-        Nine for the first family, then nine for the second if there are two.
+    Families of Linkage
+        Nine for the first family, then nine for the second.  Where only one family can be built these are nine, and
+        ``.missing`` says what is wrong with the other.  Each linkage passes the poses to 1e-9, about the middle of
+        their displacements and in the length of the problem.
 
     Raises
     ------
@@ -50,18 +74,47 @@ def six_r_linkages(p0, p1, p2, p3, free=0) -> tuple[Linkage, ...]:
     >>> len(linkages), linkages[0].mobility()
     (18, 1)
     """
-    poses = [as_pose(p) for p in (p0, p1, p2, p3)]
-    cubics = cubics_through(*poses, free)
-    linkages = []
-    for C, t3 in zip(cubics, fourth_parameters(*poses), strict=True):
-        linkages += _linkages_of(C, (math.inf, 0, 1, t3))
-    return tuple(linkages)
+    families, factors = _factored(families_of(p0, p1, p2, p3, free, degenerate))
+    kept, missing = families.judged(degenerate)
+    factors = [families.outward(h) for h in factors]
+    linkages = [linkage for n in kept for linkage in _linkages(families, factors, n)]
+    return Families(linkages, tuple(families.parameters(n) for n in kept), missing)
 
 
-def _linkages_of(C: MotionPolynomial, parameters: tuple) -> list[Linkage]:
-    home = C.leading
-    monic = C * home.inverse()
-    factors = factor_in_orders(monic, quadratic_factors(monic.norm_polynomial()), ORDERS)
-    check_factors(monic, factors)
-    chains = [tuple(h[..., n] for h in factors) for n in range(len(ORDERS))]
+def _factored(families: CubicFamilies) -> tuple[CubicFamilies, list[DualQuaternion]]:
+    """The six factorizations of each cubic, shape (rows, 6), and the families that are left."""
+    rows = families.rows
+    if rows.is_exact:
+        factors, faults = factored(rows.cubics(), ORDERS)
+        return families.less(_as_cubic_faults(faults), 0), factors
+    with np.errstate(all="ignore"):
+        centre, unit = rows.centre_and_unit()
+        factors, faults = factored(rows.cubics(centre, unit), ORDERS)
+        factors = [_on_quadric(h * unit[:, None] + centre[:, None]) for h in factors]
+        missed = np.asarray(rows.missed(lambda t: _product_at(factors, t)))
+    faults = np.where(faults > 0, _as_cubic_faults(faults), np.where(missed <= MET, 0, CubicFault.LOST))
+    return families.less(faults, missed), factors
+
+
+def _as_cubic_faults(faults: Array) -> Array:
+    return np.select([faults == fault for fault in FACTOR_FAULTS], list(FACTOR_FAULTS.values()), 0)
+
+
+def _product_at(factors: list[DualQuaternion], t: Array) -> DualQuaternion:
+    """(t − h_1)(t − h_2)(t − h_3) with a parameter for each row."""
+    return reduce(lambda product, h: product * (t[:, None] - h), factors[1:], t[:, None] - factors[0])
+
+
+def _on_quadric(h: DualQuaternion) -> DualQuaternion:
+    """A real number and a half-turn: what rounding has added to them is taken away."""
+    components = h.components.copy()
+    components[[0, 4]] = 0
+    v = DualQuaternion.from_components(components)
+    return v - eps_times(v) * divide(study_form(v, v), 2 * null_form(v, v)) + h.scalar_part
+
+
+def _linkages(families: CubicFamilies, factors: list[DualQuaternion], family: int) -> list[Linkage]:
+    """The nine linkages of one family."""
+    chains = families.spread_all(factors, family)
+    home, parameters = families.problem.home, families.parameters(family)
     return [Linkage.from_chains(chains[m], chains[n], home=home, parameters=parameters) for m, n in ADMISSIBLE_PAIRS]
