@@ -39,8 +39,8 @@ NEARLY_DEPENDENT = 1e-11
 MODERATE = 1e3
 """How much larger or smaller than the cubic a step of the free parameter may be."""
 
-NEARLY_MISSED = 1e-4
-"""From a value of the free parameter that misses a pose the base keeps this distance."""
+NEARLY_MISSED = 1e-5
+"""The share of a cubic below which a pose counts as nearly missed, when the base of the free parameter is chosen."""
 
 MISSED = 1e-12
 """The share of the largest pose below which a pose counts as missed."""
@@ -124,6 +124,21 @@ class CubicRows:
         distances = np.abs([np.ones_like(self.t3), self.t3, self.beyond])
         unit = np.sqrt(distances.min(axis=0) * distances.max(axis=0))
         return np.where(near_one, 1.0, 0.0), np.exp2(np.round(np.log2(unit)))
+
+    def some(self, rows: Array) -> CubicRows:
+        """Some of the rows."""
+        return CubicRows(
+            tuple(q[rows] for q in self.others),
+            self.t3[rows],
+            self.beyond[rows],
+            tuple(w[rows] for w in self.weights),
+        )
+
+    def values_at_poses(self) -> tuple[list[Array], list[DualQuaternion]]:
+        """The parameters of p1, p2, p3 and the values of the cubics there, each with all its digits."""
+        t = [0 * self.t3, 0 * self.t3 + 1, self.t3]
+        spans = (self.t3, -self.beyond, self.t3 * self.beyond)
+        return t, [q * (w * s) for q, w, s in zip(self.others, self.weights, spans, strict=True)]
 
     def missed(self, motion: Callable[[Array], DualQuaternion]) -> np.ndarray:
         """How far motions, shape (rows, ...), are from the poses at their parameters; p0 is met by monic ones."""
@@ -500,11 +515,29 @@ def _weights(problem: PoseProblem, b: dict, t3: Array, beyond: Array, free: Any)
     total = np.asarray(sum(k * w for k, w in zip(kernel, weighted, strict=True)))
     total = np.where(is_zero(total, rtol=0), 1, total)
     special = [divide(v, total) for v in _cross((b01, b02, b03), weighted)]
-    whole = 1 + sum(w * v * v for w, v in zip(squares, special, strict=True))
-    unit = _unit_of_freedom((b01, b02, b03, b12, b13, b23), whole, total)
+    balance = [divide(w, d) for w, d in zip(squares, _squared_distances(t3, beyond), strict=True)]
+    whole = 1 + sum(w * v * v for w, v in zip(balance, special, strict=True))
+    step = np.asarray(sum(w * k * k for w, k in zip(balance, kernel, strict=True)))
+    unit = _unit_of_freedom((b01, b02, b03, b12, b13, b23), whole, np.where(is_zero(step, rtol=0), 1, step))
     steps = [unit * k for k in kernel]
-    base = _base(special, steps)
+    base = _base(special, steps, balance)
     return tuple(np.asarray(v + (base + free) * s) for v, s in zip(special, steps, strict=True))
+
+
+def _squared_distances(t3: Array, beyond: Array) -> list[Array]:
+    """σ² + (t_j − c)² for the parameters 0, 1, t3, which lie about c, in the scale σ.
+
+    With these the weights of a cubic are compared as they are on the projective line of t, where two parameters that
+    nearly agree are as far from ∞ as the others are near it.
+    """
+    sizes = [np.ones_like(t3), t3 * _sign(t3), beyond * _sign(beyond)]
+    sizes = [np.asarray(x, dtype=float) if t3.dtype.kind == "f" else x for x in sizes]
+    least = np.where(sizes[1] < sizes[0], sizes[1], sizes[0])
+    near_one = sizes[2] < least
+    least = np.where(near_one, sizes[2], least)
+    most = np.where(sizes[1] > sizes[2], sizes[1], sizes[2])
+    scale = least * np.where(most > 1, most, 1)
+    return [scale + d * d for d in (np.where(near_one, 1, 0), np.where(near_one, 0, 1), np.where(near_one, beyond, t3))]
 
 
 def _cross(a: Sequence, b: Sequence) -> list:
@@ -531,16 +564,16 @@ def _unit_of_freedom(b: tuple, whole: Array, total: Array) -> Array:
     return np.where(found, unit, lengths * leading.astype(int if lengths.dtype == object else float))
 
 
-def _base(special: Sequence, steps: Sequence) -> Array:
-    """The first of 0, 1, −1, 2, −2 at which no pose is nearly missed."""
-    values, moves = ([np.abs(as_float(x)) for x in xs] for xs in (special, steps))
-    del values
-    base, found = np.zeros(np.shape(moves[0]), dtype=int), np.zeros(np.shape(moves[0]), dtype=bool)
-    for number in (0, 1, -1, 2, -2):
-        at = [np.abs(as_float(v + number * s)) for v, s in zip(special, steps, strict=True)]
-        good = np.all([(a >= NEARLY_MISSED * m) & (a > 0) for a, m in zip(at, moves, strict=True)], axis=0)
-        base, found = np.where(good & ~found, number, base), found | good
-    return base
+def _base(special: Sequence, steps: Sequence, balance: Sequence) -> Array:
+    """The first of 0, 1, −1, 2, −2 at which no pose is nearly missed, or the best of them."""
+    numbers = (0, 1, -1, 2, -2)
+    shares = []
+    for number in numbers:
+        parts = [
+            as_float(w) * as_float(v + number * s) ** 2 for w, v, s in zip(balance, special, steps, strict=True)
+        ]
+        shares.append(reduce(np.minimum, [1, *parts]) / (1 + sum(parts)))
+    return np.array(numbers)[np.argmax(np.minimum(np.nan_to_num(shares), NEARLY_MISSED**2), axis=0)]
 
 
 def _misses(problem: PoseProblem, weights: Sequence) -> Array:

@@ -16,12 +16,12 @@ from fractions import Fraction
 from functools import reduce
 from itertools import permutations
 from numbers import Rational
-from operator import index
+from operator import index, mul
 from typing import NamedTuple
 
 import numpy as np
 
-from kinlib.dual_quaternion import DualQuaternion, null_form
+from kinlib.dual_quaternion import DualQuaternion, null_form, one
 from kinlib.errors import DegenerateError, Fault, first_fault, report_faults
 from kinlib.motion_polynomial import MotionPolynomial, check_monic, multiply
 from kinlib.number_field import NumberField, NumberFieldElement, square_root
@@ -565,10 +565,11 @@ def _repaired(C: MotionPolynomial, factors, missing: np.ndarray) -> tuple[list[D
     rows = tuple(axis[gain] for axis in np.nonzero(poor))
     missing = missing.copy()
     missing[rows] = off[gain]
-    return [_with_rows(h, rows, new[gain]) for h, new in zip(factors, better, strict=True)], missing
+    return [with_rows(h, rows, new[gain]) for h, new in zip(factors, better, strict=True)], missing
 
 
-def _with_rows(q: DualQuaternion, rows, new: DualQuaternion) -> DualQuaternion:
+def with_rows(q: DualQuaternion, rows, new: DualQuaternion) -> DualQuaternion:
+    """The same dual quaternions but for some rows of the batch."""
     components = q.components.copy()
     components[(slice(None), *rows)] = new.components
     return DualQuaternion.from_components(components)
@@ -587,6 +588,29 @@ def polished(C: MotionPolynomial, factors, steps: int = 3) -> list[DualQuaternio
             shape = right.shape[:-2]
             right = right.reshape(*shape, 8 * n, 1)
             moves = DualQuaternion(solved(_derivative(factors, shape), right).reshape(*shape, n, 8))
+            factors = [h + moves[..., j] for j, h in enumerate(factors)]
+    return factors
+
+
+def polished_at(t: Sequence, values: Sequence[DualQuaternion], factors, steps: int = 2) -> list[DualQuaternion]:
+    """Factors whose product is nearer to given values at n parameters: Newton's method as in :func:`polished`.
+
+    Where the values are of very different sizes these digits do not drown in the coefficients of the polynomial.
+    """
+    n, factors = len(factors), list(factors)
+    sizes = [np.sqrt(null_form(v, v)) for v in values]
+    with np.errstate(all="ignore"):
+        for _ in range(steps):
+            turns = [[s - h for h in factors] for s in t]
+            missing = [(reduce(mul, x) - v) / size for x, v, size in zip(turns, values, sizes, strict=True)]
+            right = DualQuaternion.stack(missing, axis=-1).coeffs
+            matrix = np.zeros((*right.shape[:-2], n, 8, n, 8))
+            for row, (x, size) in enumerate(zip(turns, sizes, strict=True)):
+                for j in range(n):
+                    before, after = reduce(mul, x[:j], one), reduce(mul, x[j + 1 :], one)
+                    matrix[..., row, :, j, :] = _two_sided(before / size, after)
+            matrix = matrix.reshape(*right.shape[:-2], 8 * n, 8 * n)
+            moves = DualQuaternion(solved(matrix, right.reshape(*right.shape[:-2], 8 * n, 1)).reshape(right.shape))
             factors = [h + moves[..., j] for j, h in enumerate(factors)]
     return factors
 

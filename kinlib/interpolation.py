@@ -19,6 +19,10 @@ from kinlib.typing import Array, ArrayLike, Degenerate, PoseLike, ScalarLike
 
 __all__ = ["Families", "conic_through", "cubics_through", "fourth_parameters"]
 
+CUBIC_MET = 1e-6
+"""How near a cubic must pass the poses: where parameters nearly agree, coefficients in powers of t lose digits."""
+
+
 class ConicFault(Fault):
     """Why no conic passes through three poses."""
 
@@ -178,7 +182,7 @@ def cubics_through(
     if not families.problem.is_exact:
         with np.errstate(all="ignore"):
             missed = families.rows.missed(cubics)
-        families = families.less(np.where(missed <= MET, 0, CubicFault.LOST), missed)
+        families = families.less(np.where(missed <= CUBIC_MET, 0, CubicFault.LOST), missed)
     kept, missing = families.judged(degenerate)
     outward = [families.outward(c) for c in cubics.coefficients]
     home = families.problem.home

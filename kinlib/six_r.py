@@ -7,12 +7,11 @@ from itertools import combinations, permutations
 
 import numpy as np
 
-from kinlib.cubics import MET, CubicFamilies, CubicFault, families_of
+from kinlib.cubics import MET, CubicFamilies, CubicFault, CubicRows, families_of
 from kinlib.dual_quaternion import DualQuaternion, eps_times, null_form, study_form
-from kinlib.factorization import FactorFault, factored
+from kinlib.factorization import FactorFault, factored, polished_at, with_rows
 from kinlib.interpolation import Families
 from kinlib.linkage import Linkage
-from kinlib.poses import gap
 from kinlib.scalar import divide
 from kinlib.typing import Array, ArrayLike, Degenerate, PoseLike, ScalarLike
 
@@ -24,6 +23,9 @@ ADMISSIBLE_PAIRS = tuple(
     (m, n) for m, n in combinations(range(6), 2) if ORDERS[m][0] != ORDERS[n][0] and ORDERS[m][2] != ORDERS[n][2]
 )
 """The nine pairs of factorizations, by number, with different first and different last quadratic factors."""
+
+POLISH = 1e-12
+"""Linkages that miss a pose by more than this are polished."""
 
 FACTOR_FAULTS = {
     FactorFault.REAL_ROOT: CubicFault.REAL_ROOT,
@@ -91,9 +93,27 @@ def _factored(families: CubicFamilies) -> tuple[CubicFamilies, list[DualQuaterni
         centre, unit = rows.centre_and_unit()
         factors, faults = factored(rows.cubics(centre, unit), ORDERS)
         factors = [_on_quadric(h * unit[:, None] + centre[:, None]) for h in factors]
-        missed = np.asarray(rows.missed(lambda t: _product_at(factors, t)))
+        factors, missed = _repaired(rows, factors)
     faults = np.where(faults > 0, _as_cubic_faults(faults), np.where(missed <= MET, 0, CubicFault.LOST))
     return families.less(faults, missed), factors
+
+
+def _repaired(rows: CubicRows, factors: list[DualQuaternion]) -> tuple[list[DualQuaternion], Array]:
+    """The factors, or better ones in rows where they miss a pose; and by how much these still do."""
+    missed = rows.missed(lambda t: _product_at(factors, t))
+    poor = np.flatnonzero((missed > POLISH) & (missed < 1))
+    if not len(poor):
+        return factors, missed
+    part = rows.some(poor)
+    t, values = part.values_at_poses()
+    wide = [DualQuaternion(v.coeffs[:, None] * np.ones((6, 1))) for v in values]
+    better = polished_at([s[:, None] for s in t], wide, [h[poor] for h in factors])
+    better = [_on_quadric(h) for h in better]
+    off = part.missed(lambda t: _product_at(better, t))
+    gain = off < missed[poor]
+    missed = missed.copy()
+    missed[poor[gain]] = off[gain]
+    return [with_rows(h, (poor[gain],), new[gain]) for h, new in zip(factors, better, strict=True)], missed
 
 
 def _as_cubic_faults(faults: Array) -> Array:
