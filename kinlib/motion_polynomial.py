@@ -11,7 +11,7 @@ import numpy as np
 from kinlib.dual_quaternion import DualQuaternion, null_form, one, study_form
 from kinlib.errors import Fault, named_rows, report_faults
 from kinlib.poses import ULPS
-from kinlib.scalar import RTOL, as_scalars, divide, is_infinite, is_zero, promote, size
+from kinlib.scalar import RTOL, as_scalars, divide, is_exact, is_infinite, is_zero, promote, size
 from kinlib.typing import Array, ArrayLike, Degenerate, PointLike, ScalarLike
 
 __all__ = ["MotionPolynomial", "RationalCurve", "evaluate", "linear_factor", "multiply"]
@@ -86,7 +86,7 @@ class MotionPolynomial:
     True
     """
 
-    __slots__ = ("_coefficients", "_columns")
+    __slots__ = ("_coefficients", "_columns", "_factors")
     __hash__ = None
     __array_ufunc__ = None
 
@@ -103,9 +103,28 @@ class MotionPolynomial:
         self._keep(coefficients)
         return self
 
+    @classmethod
+    def from_factors(cls, factors: Sequence[DualQuaternion], last: DualQuaternion = one) -> MotionPolynomial:
+        """The polynomial (t − h_1) ⋯ (t − h_n) c with the given h_1, …, h_n and the constant c.
+
+        In floats its values are computed as this product: where it nearly vanishes, its coefficients lose digits.
+
+        Examples
+        --------
+        >>> MotionPolynomial.from_factors([i, j - eps * i])
+        t^2 + (-i - j + εi) t + k + ε
+        """
+        factors, unit = tuple(factors), one
+        coefficients = reduce(multiply, [[unit, -h] for h in factors], [unit])
+        self = cls.from_coefficients(c * last for c in coefficients)
+        if not any(is_exact(h.components) for h in (*factors, *self.coefficients[1:2])):
+            object.__setattr__(self, "_factors", (factors, last))
+        return self
+
     def _keep(self, coefficients: Iterable[DualQuaternion]) -> None:
         object.__setattr__(self, "_coefficients", tuple(coefficients))
         object.__setattr__(self, "_columns", None)
+        object.__setattr__(self, "_factors", None)
 
     def __setattr__(self, name: str, value) -> None:
         raise AttributeError(f"a motion polynomial does not change: {name} cannot be set")
@@ -114,6 +133,8 @@ class MotionPolynomial:
         raise AttributeError(f"a motion polynomial does not change: {name} cannot be deleted")
 
     def __reduce__(self):
+        if self._factors is not None:
+            return MotionPolynomial.from_factors, self._factors
         return MotionPolynomial.from_coefficients, (self.coefficients,)
 
     @property
@@ -150,12 +171,26 @@ class MotionPolynomial:
             Broadcasts against the batch; ``math.inf`` gives the leading coefficient, and a float t whose powers
             are too large for floats gives C(t)/tⁿ, which is the same pose.
         """
+        if self._factors is not None:
+            return self._product_at(t)
         if np.ndim(t) == 0 or self.shape:
             first, *others = self.coefficients
             return evaluate((first + others[0] * 0, *others) if others else (first,), t)
         if self._columns is None:
             object.__setattr__(self, "_columns", promote(*(c.components for c in self.coefficients)))
         return DualQuaternion.from_components(_evaluate(self._columns, t))
+
+    def _product_at(self, t: ScalarLike | ArrayLike) -> DualQuaternion:
+        """The value at t from the factors; from the coefficients where powers of t are too large."""
+        factors, last = self._factors
+        t = as_scalars(t)
+        finite = t if t.dtype.kind not in "fc" else np.where(np.abs(t) > _too_large(self.degree), 1.0, t)
+        product = reduce(lambda q, h: q * (finite[()] - h), factors[1:], finite[()] - factors[0]) * last
+        if finite is t or np.all(finite == t):
+            return product
+        far = evaluate(self.coefficients, t)
+        large = np.broadcast_to(finite != t, product.shape)
+        return DualQuaternion(np.where(large[..., None], far.coeffs, product.coeffs))
 
     def conjugate(self) -> MotionPolynomial:
         """C̄, with conjugate coefficients: the inverse motion."""
@@ -342,10 +377,15 @@ def _convolve(form, items) -> np.ndarray:
 def evaluate(coefficients: Sequence[DualQuaternion], t: ScalarLike | ArrayLike) -> DualQuaternion:
     """Horner's rule for coefficients of any kind; at infinity the leading one.  t broadcasts with the batch."""
     if np.asarray(t).dtype.kind in "fc":
-        large = np.abs(t) > 1e300 ** (1 / max(len(coefficients) - 1, 1))
+        large = np.abs(t) > _too_large(len(coefficients) - 1)
         return _evaluate_far_away(coefficients, t, large) if np.any(large) else _horner(coefficients, t)
     infinite = is_infinite(t)
     return coefficients[0] if infinite else _horner(coefficients, t)
+
+
+def _too_large(degree: int) -> float:
+    """From where on powers of t are too large for floats."""
+    return 1e300 ** (1 / max(degree, 1))
 
 
 def _horner(coefficients, t):
