@@ -134,20 +134,21 @@ class CubicRows:
             tuple(w[rows] for w in self.weights),
         )
 
-    def values_at_poses(self) -> tuple[list[Array], list[DualQuaternion]]:
-        """The parameters of p1, p2, p3 and the values of the cubics there, each with all its digits."""
-        t = [0 * self.t3, 0 * self.t3 + 1, self.t3]
-        spans = (self.t3, -self.beyond, self.t3 * self.beyond)
-        return t, [q * (w * s) for q, w, s in zip(self.others, self.weights, spans, strict=True)]
+    @property
+    def parameters(self) -> Array:
+        """The parameters of p1, p2, p3, shape (rows, 3)."""
+        return np.stack([0 * self.t3, 0 * self.t3 + 1, self.t3], axis=-1)
 
-    def missed(self, motion: Callable[[Array], DualQuaternion]) -> np.ndarray:
-        """How far motions, shape (rows, ...), are from the poses at their parameters; p0 is met by monic ones."""
-        off = []
-        for t, q in zip((0 * self.t3, 0 * self.t3 + 1, self.t3), self.others, strict=True):
-            reached = motion(t)
-            inner = (1,) * (len(reached.shape) - 1)
-            off.append(gap(reached, DualQuaternion(q.coeffs.reshape(-1, *inner, 8))).max(axis=tuple(range(1, len(inner) + 1))))
-        return reduce(np.maximum, off)
+    def values_at_poses(self) -> list[DualQuaternion]:
+        """The values of the cubics at the parameters of p1, p2, p3, each with all its digits."""
+        spans = (self.t3, -self.beyond, self.t3 * self.beyond)
+        return [q * (w * s) for q, w, s in zip(self.others, self.weights, spans, strict=True)]
+
+    def missed(self, reached: DualQuaternion) -> np.ndarray:
+        """How far motions are from p1, p2, p3, given where they are there, shape (rows, ..., 3); p0 is met anyway."""
+        wanted = DualQuaternion.stack(self.others, axis=-1).coeffs
+        wanted = wanted.reshape(len(wanted), *(1,) * (len(reached.shape) - 2), 3, 8)
+        return gap(reached, DualQuaternion(wanted)).max(axis=tuple(range(1, len(reached.shape))))
 
 
 def _lagrange(scaled: Sequence[DualQuaternion], t: Sequence) -> MotionPolynomial:

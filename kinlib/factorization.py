@@ -14,7 +14,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from fractions import Fraction
 from functools import reduce
-from itertools import permutations
+from itertools import pairwise, permutations
 from numbers import Rational
 from operator import index, mul
 from typing import NamedTuple
@@ -23,7 +23,7 @@ import numpy as np
 
 from kinlib.dual_quaternion import DualQuaternion, null_form, one
 from kinlib.errors import DegenerateError, Fault, first_fault, report_faults
-from kinlib.motion_polynomial import MotionPolynomial, check_monic, multiply
+from kinlib.motion_polynomial import MotionPolynomial, check_monic
 from kinlib.number_field import NumberField, NumberFieldElement, square_root
 from kinlib.scalar import as_float, as_scalars, divide, is_exact, is_zero
 from kinlib.typing import Array, ArrayLike, Degenerate
@@ -49,7 +49,7 @@ SAME_ROOT = 1e-9
 PRODUCT_RTOL = 1e-9
 """How far the product of the factors may be from the polynomial, relative to the numbers that are added."""
 
-POLISH_RTOL = 1e-13
+POLISH_RTOL = 1e-12
 """From which such distance on the factors are polished."""
 
 
@@ -129,7 +129,10 @@ def shifted(coefficients, centre) -> list:
 
 def _unit_of(rows) -> np.ndarray:
     """The geometric mean of the roots of a polynomial, as a power of two."""
-    mean = (rows[-1] / rows[0]) ** (1 / (len(rows) - 1))
+    return _power_of_two((rows[-1] / rows[0]) ** (1 / (len(rows) - 1)))
+
+
+def _power_of_two(mean: np.ndarray) -> np.ndarray:
     return np.where(np.isfinite(mean) & (mean > 0), np.exp2(np.round(np.log2(mean))), 1.0)
 
 
@@ -410,14 +413,14 @@ class Centred(NamedTuple):
 def centred(C: MotionPolynomial) -> Centred:
     """A monic polynomial in floats, in the parameter that suits its roots."""
     n = C.degree
-    norm = as_float(C.norm_polynomial())
+    coefficients = [DualQuaternion(as_float(c.coeffs)) for c in C.coefficients]
     with np.errstate(all="ignore"):
-        centre = -norm[..., 1] / (2 * n * norm[..., 0])
-        unit = _unit_of(shifted(list(np.moveaxis(norm, -1, 0)), centre))
-        moved = shifted([DualQuaternion(as_float(c.coeffs)) for c in C.coefficients], centre)
-        return Centred(
-            MotionPolynomial.from_coefficients(c * unit**-m for m, c in enumerate(moved)), np.asarray(centre), unit
-        )
+        centre = -coefficients[1].scalar_part / n
+        coefficients = shifted(coefficients, centre)
+        mean = null_form(coefficients[-1], coefficients[-1]) ** (0.5 / n)
+        unit = _power_of_two(mean)
+        coefficients = [coefficients[0], *(c * unit**-m for m, c in enumerate(coefficients[1:], start=1))]
+        return Centred(MotionPolynomial.from_coefficients(coefficients), np.asarray(centre), unit)
 
 
 def factored(C: MotionPolynomial, orders, quadratics: np.ndarray | None = None) -> tuple[list[DualQuaternion], Array]:
@@ -453,9 +456,8 @@ def split_motion(C: MotionPolynomial) -> tuple[np.ndarray, np.ndarray]:
     """
     with np.errstate(all="ignore"):
         roots = eigenvalue_roots(as_float(C.norm_polynomial()))
-        for _ in range(2):
-            value, slope = _value_and_slope(C, roots)
-            roots = _stepped(roots, null_form(value, value) / (2 * null_form(value, slope)))
+        value, slope = _value_and_slope(C, roots)
+        roots = _stepped(roots, null_form(value, value) / (2 * null_form(value, slope)))
         return quadratics_with(in_order(roots)), (roots.imag <= 0).any(axis=-1)
 
 
@@ -521,11 +523,12 @@ def _divide_off(coefficients, h: DualQuaternion) -> list[DualQuaternion]:
     return quotient
 
 
-def product_of(factors) -> list[DualQuaternion]:
+def product_of(factors: Sequence[DualQuaternion]) -> list[DualQuaternion]:
     """The coefficients of (t − h_1) ⋯ (t − h_n)."""
     product = [DualQuaternion([1] + [0] * 7)]
     for h in factors:
-        product = multiply(product, [DualQuaternion([1] + [0] * 7), -h])
+        last = [-h] if len(product) == 1 else [-(product[-1] * h)]
+        product = [product[0], *(c - b * h if n else c - h for n, (b, c) in enumerate(pairwise(product))), *last]
     return product
 
 

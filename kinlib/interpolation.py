@@ -181,7 +181,8 @@ def cubics_through(
     cubics = families.rows.cubics()
     if not families.problem.is_exact:
         with np.errstate(all="ignore"):
-            missed = families.rows.missed(cubics)
+            wide = MotionPolynomial.from_coefficients(c[:, None] for c in cubics.coefficients)
+            missed = families.rows.missed(wide(families.rows.parameters))
         families = families.less(np.where(missed <= CUBIC_MET, 0, CubicFault.LOST), missed)
     kept, missing = families.judged(degenerate)
     outward = [families.outward(c) for c in cubics.coefficients]

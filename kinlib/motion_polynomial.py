@@ -117,7 +117,7 @@ class MotionPolynomial:
         factors, unit = tuple(factors), one
         coefficients = reduce(multiply, [[unit, -h] for h in factors], [unit])
         self = cls.from_coefficients(c * last for c in coefficients)
-        if not any(is_exact(h.components) for h in (*factors, *self.coefficients[1:2])):
+        if factors and not any(is_exact(h.components) for h in factors):
             object.__setattr__(self, "_factors", (factors, last))
         return self
 
@@ -210,11 +210,14 @@ class MotionPolynomial:
         Floats are judged by the size of the numbers that are added, and dual parts that may be the rounding of
         primal parts count as zero.
         """
+        zero = np.all(is_zero(self.norm_polynomial(), rtol=0), axis=-1)
+        return (self._is_on_quadric(rtol) & ~zero)[()]
+
+    def _is_on_quadric(self, rtol: float) -> Array:
         coeffs = self.coeffs
         primal, dual = size(coeffs[..., :4], (-1, -2)), size(coeffs[..., 4:], (-1, -2))
         bound = np.expand_dims(rtol * primal * dual + ULPS * primal * primal, -1)
-        on_quadric = np.all(is_zero(self.study_polynomial(), bound, 1.0), axis=-1)
-        return (on_quadric & ~np.all(is_zero(self.norm_polynomial(), rtol=0), axis=-1))[()]
+        return np.all(is_zero(self.study_polynomial(), bound, 1.0), axis=-1)
 
     def __add__(self, other) -> MotionPolynomial:
         longer, shorter = self.coefficients, _polynomial(other).coefficients
@@ -435,4 +438,4 @@ def check_monic(C: MotionPolynomial, degenerate: Degenerate = "raise") -> np.nda
         raise ValueError(
             f"{rows}expected a monic polynomial (the identity at t = ∞): factor C * C.leading.inverse()"
         )
-    return report_faults(~np.asarray(C.is_motion()) * MotionFault.OFF_QUADRIC, MotionFault, degenerate)
+    return report_faults(~np.asarray(C._is_on_quadric(RTOL)) * MotionFault.OFF_QUADRIC, MotionFault, degenerate)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from functools import reduce
 from itertools import combinations, permutations
+from operator import mul
 
 import numpy as np
 
@@ -24,7 +25,10 @@ ADMISSIBLE_PAIRS = tuple(
 )
 """The nine pairs of factorizations, by number, with different first and different last quadratic factors."""
 
-POLISH = 1e-12
+BLOCK = 2048
+"""So many cubics are factored at a time: their numbers stay in the cache."""
+
+POLISH = 1e-11
 """Linkages that miss a pose by more than this are polished."""
 
 FACTOR_FAULTS = {
@@ -89,27 +93,33 @@ def _factored(families: CubicFamilies) -> tuple[CubicFamilies, list[DualQuaterni
     if rows.is_exact:
         factors, faults = factored(rows.cubics(), ORDERS)
         return families.less(_as_cubic_faults(faults), 0), factors
+    blocks = [rows.some(slice(n, n + BLOCK)) for n in range(0, max(len(rows.t3), 1), BLOCK)]
+    factors, faults, missed = zip(*map(_factored_block, blocks), strict=True)
+    whole = [DualQuaternion(np.concatenate([h.coeffs for h in parts])) for parts in zip(*factors, strict=True)]
+    return families.less(np.concatenate(faults), np.concatenate(missed)), whole
+
+
+def _factored_block(rows: CubicRows) -> tuple[list[DualQuaternion], Array, Array]:
+    """The factors, what is wrong with them, and by how much they miss a pose; floats."""
     with np.errstate(all="ignore"):
         centre, unit = rows.centre_and_unit()
         factors, faults = factored(rows.cubics(centre, unit), ORDERS)
         factors = [_on_quadric(h * unit[:, None] + centre[:, None]) for h in factors]
         factors, missed = _repaired(rows, factors)
-    faults = np.where(faults > 0, _as_cubic_faults(faults), np.where(missed <= MET, 0, CubicFault.LOST))
-    return families.less(faults, missed), factors
+    return factors, np.where(faults > 0, _as_cubic_faults(faults), np.where(missed <= MET, 0, CubicFault.LOST)), missed
 
 
 def _repaired(rows: CubicRows, factors: list[DualQuaternion]) -> tuple[list[DualQuaternion], Array]:
     """The factors, or better ones in rows where they miss a pose; and by how much these still do."""
-    missed = rows.missed(lambda t: _product_at(factors, t))
+    missed = rows.missed(_product_at(factors, rows.parameters))
     poor = np.flatnonzero((missed > POLISH) & (missed < 1))
     if not len(poor):
         return factors, missed
     part = rows.some(poor)
-    t, values = part.values_at_poses()
-    wide = [DualQuaternion(v.coeffs[:, None] * np.ones((6, 1))) for v in values]
-    better = polished_at([s[:, None] for s in t], wide, [h[poor] for h in factors])
+    values = [DualQuaternion(v.coeffs[:, None] * np.ones((6, 1))) for v in part.values_at_poses()]
+    better = polished_at(part.parameters.T[..., None], values, [h[poor] for h in factors])
     better = [_on_quadric(h) for h in better]
-    off = part.missed(lambda t: _product_at(better, t))
+    off = part.missed(_product_at(better, part.parameters))
     gain = off < missed[poor]
     missed = missed.copy()
     missed[poor[gain]] = off[gain]
@@ -121,8 +131,14 @@ def _as_cubic_faults(faults: Array) -> Array:
 
 
 def _product_at(factors: list[DualQuaternion], t: Array) -> DualQuaternion:
-    """(t − h_1)(t − h_2)(t − h_3) with a parameter for each row."""
-    return reduce(lambda product, h: product * (t[:, None] - h), factors[1:], t[:, None] - factors[0])
+    """(t − h_1)(t − h_2)(t − h_3), shape (rows, 6, 3), with three parameters for each row."""
+    return reduce(mul, [_linear_factor_at(h, t) for h in factors])
+
+
+def _linear_factor_at(h: DualQuaternion, t: Array) -> DualQuaternion:
+    components = np.repeat(-h.components[..., None], 3, axis=-1)
+    components[0] += t[:, None, :]
+    return DualQuaternion.from_components(components)
 
 
 def _on_quadric(h: DualQuaternion) -> DualQuaternion:
