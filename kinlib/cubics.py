@@ -33,6 +33,9 @@ MET = 1e-9
 SAME_FAMILY = 1e-14
 """Where the discriminant counts as zero, relative to the squares that it is made of."""
 
+SAME_SIZE = 1e-9
+"""Two values of t3 of opposite sign whose sizes differ by less count as equally large; the positive comes first."""
+
 NEARLY_DEPENDENT = 1e-11
 """Where four poses count as dependent: the least singular value of their directions from the first."""
 
@@ -422,8 +425,12 @@ def _forms(points: Sequence[DualQuaternion], tolerance: Any) -> dict:
     return {pair: np.where(is_zero(b, tolerance, 1.0), 0, b) for pair, b in forms.items()}
 
 
-_sign = np.frompyfunc(lambda x: 1 if x > 0 else -1 if x < 0 else 0, 1, 1)
+_exact_sign = np.frompyfunc(lambda x: 1 if x > 0 else -1 if x < 0 else 0, 1, 1)
 _exact_root = np.frompyfunc(lambda x: square_root(x) if x > 0 else 0, 1, 1)
+
+
+def _sign(values: Array) -> Array:
+    return np.sign(values) if values.dtype.kind == "f" else np.asarray(_exact_sign(values))
 
 
 def _root(square: Array) -> Array:
@@ -442,8 +449,8 @@ def _fourth_parameters(b: dict) -> tuple[Array, Array, Array, Array]:
     small = is_zero(discriminant, SAME_FAMILY, largest)
     discriminant = np.where(small, 0, discriminant)
     root = _root(discriminant)
-    first = np.where(is_zero(linear, 1e-9, np.sqrt(as_float(largest))), _sign(z), -_sign(linear)).astype(int)
-    first = np.where(first == 0, 1, first)
+    first = np.where(is_zero(linear, SAME_SIZE, np.sqrt(as_float(largest))), _sign(z), -_sign(linear))
+    first = np.where(first == 0, 1, np.nan_to_num(as_float(first))).astype(int)
     signs = np.stack([first, -first], axis=-1)
     x, y, z, linear, shifted, root = (np.asarray(v)[..., None] for v in (x, y, z, linear, shifted, root))
     t3, far = _solution(z, linear, y, root * signs)
@@ -532,7 +539,6 @@ def _squared_distances(t3: Array, beyond: Array) -> list[Array]:
     nearly agree are as far from ∞ as the others are near it.
     """
     sizes = [np.ones_like(t3), t3 * _sign(t3), beyond * _sign(beyond)]
-    sizes = [np.asarray(x, dtype=float) if t3.dtype.kind == "f" else x for x in sizes]
     least = np.where(sizes[1] < sizes[0], sizes[1], sizes[0])
     near_one = sizes[2] < least
     least = np.where(near_one, sizes[2], least)

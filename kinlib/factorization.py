@@ -53,6 +53,10 @@ POLISH_RTOL = 1e-12
 """From which such distance on the factors are polished."""
 
 
+NO_INVERSE = 1e-6
+"""How small a remainder may be before it is blamed, where there are no factors."""
+
+
 def quadratic_factors(polynomial: ArrayLike) -> np.ndarray:
     """Split a real polynomial without real roots into monic quadratic polynomials.
 
@@ -440,7 +444,7 @@ def factored(C: MotionPolynomial, orders, quadratics: np.ndarray | None = None) 
         if not exact:
             factors, missing = _repaired(C, factors, missing)
     unsplit = ~(missing <= (0 if exact else PRODUCT_RTOL))
-    no_inverse = unsplit & (least <= (0 if exact else 1e-6))
+    no_inverse = unsplit & (least <= (0 if exact else NO_INVERSE))
     faults = first_fault(
         (real, FactorFault.REAL_ROOT),
         (no_inverse.any(axis=-1), FactorFault.REAL_FACTOR),

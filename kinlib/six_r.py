@@ -10,7 +10,8 @@ import numpy as np
 
 from kinlib.cubics import MET, CubicFamilies, CubicFault, CubicRows, families_of
 from kinlib.dual_quaternion import DualQuaternion, eps_times, null_form, study_form
-from kinlib.factorization import FactorFault, factored, polished_at, with_rows
+from kinlib.errors import first_fault
+from kinlib.factorization import NO_INVERSE, FactorFault, divided_off, factored, polished_at, split_motion, with_rows
 from kinlib.interpolation import Families
 from kinlib.linkage import Linkage
 from kinlib.scalar import divide
@@ -103,10 +104,18 @@ def _factored_block(rows: CubicRows) -> tuple[list[DualQuaternion], Array, Array
     """The factors, what is wrong with them, and by how much they miss a pose; floats."""
     with np.errstate(all="ignore"):
         centre, unit = rows.centre_and_unit()
-        factors, faults = factored(rows.cubics(centre, unit), ORDERS)
+        C = rows.cubics(centre, unit)
+        quadratics, real = split_motion(C)
+        factors, least = divided_off(C, quadratics, ORDERS)
         factors = [_on_quadric(h * unit[:, None] + centre[:, None]) for h in factors]
         factors, missed = _repaired(rows, factors)
-    return factors, np.where(faults > 0, _as_cubic_faults(faults), np.where(missed <= MET, 0, CubicFault.LOST)), missed
+    lost = ~(missed <= MET)
+    faults = first_fault(
+        (real, CubicFault.REAL_ROOT),
+        (lost & (least <= NO_INVERSE).any(axis=-1), CubicFault.UNSPLIT),
+        (lost, CubicFault.LOST),
+    )
+    return factors, faults, missed
 
 
 def _repaired(rows: CubicRows, factors: list[DualQuaternion]) -> tuple[list[DualQuaternion], Array]:
