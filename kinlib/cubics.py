@@ -16,7 +16,7 @@ from typing import Any
 
 import numpy as np
 
-from kinlib.dual_quaternion import DualQuaternion, null_form, one
+from kinlib.dual_quaternion import DualQuaternion, eps_times, null_form, one, study_form
 from kinlib.errors import DegenerateError, Fault, check_degenerate, first_fault, named_rows
 from kinlib.motion_polynomial import MotionPolynomial
 from kinlib.number_field import square_root
@@ -44,6 +44,9 @@ MODERATE = 1e3
 
 NEARLY_MISSED = 1e-5
 """The share of a cubic below which a pose counts as nearly missed, when the base of the free parameter is chosen."""
+
+NEAR = 1e-5
+"""From how near a degeneracy on it is blamed for what is wrong with a cubic in floats."""
 
 MISSED = 1e-12
 """The share of the largest pose below which a pose counts as missed."""
@@ -180,6 +183,8 @@ class CubicFamilies:
         The parameter of the fourth pose, and t3 − 1.
     weights : tuple of arrays, shape (..., 2)
         λ_1, λ_2, λ_3.
+    shares : list of arrays, shape (..., 2)
+        The squares of the four poses in the cubic, weighed on the projective line of t.
     faults : array of int, shape (..., 2)
         What is wrong, a ``CubicFault``; 0 if nothing.
     off : array of float, shape (..., 2)
@@ -193,6 +198,7 @@ class CubicFamilies:
     t3: Array
     beyond: Array
     weights: tuple[Array, ...]
+    shares: list[Array]
     faults: Array
     off: Array
     chosen: tuple[Array, ...]
@@ -292,9 +298,11 @@ class CubicFamilies:
         if fault == CubicFault.UNREAL:
             return f"{fault.message}, {self._gram(row):.3g}"
         if fault in (CubicFault.LOST, CubicFault.REAL_ROOT, CubicFault.UNSPLIT) and not self.problem.is_exact:
+            size, text = self._nearest(row, family)
             off = self.off.reshape(-1, 2)[row, family]
-            by = f" (off by {off:.1e})" if np.isfinite(off) else ""
-            return f"{fault.message}{by}: {self._nearest(row, family)}"
+            what = (CubicFault.LOST if size < NEAR else fault).message
+            by = f" (off by {off:.1e})" if MET < off < 1e-2 else ""
+            return f"{what}{by}: {text} ({size:.1e})" if size < 0.05 else f"{what}{by}"
         return fault.message
 
     def _points(self, row: int) -> list[DualQuaternion]:
@@ -316,21 +324,21 @@ class CubicFamilies:
         pairs = [pair for pair in PAIRS if self._form(pair, row) == 0]
         return ", ".join(f"poses {m} and {n} {relation(points[m], points[n], tolerance)}" for m, n in pairs)
 
-    def _nearest(self, row: int, family: int) -> str:
-        """The degeneracy that a row is nearest to, and how near."""
+    def _nearest(self, row: int, family: int) -> tuple[float, str]:
+        """How near a row is to which degeneracy."""
         points = self._points(row)
         near = [
-            (abs(float(self._form((m, n), row))), f"poses {m} and {n} nearly {relation(points[m], points[n], 1e-3)}")
+            (abs(float(self._form((m, n), row))), f"poses {m} and {n} {relation(points[m], points[n], 1e-3, True)}")
             for m, n in PAIRS
         ]
         x, y, z = (float(v) for v in products({pair: self._form(pair, row) for pair in PAIRS}))
         square = max(x * x, y * y, z * z)
-        near.append((abs(self._gram(row)) / square if square else 1.0, "the Gram determinant of the poses nearly vanishes"))
-        shares = [1.0, *(abs(float(w.reshape(-1, 2)[row, family])) for w in self.weights)]
+        gram = abs(self._gram(row)) / square if square else 1.0
+        near.append((gram, "the Gram determinant of the poses nearly vanishes"))
+        shares = [float(s.reshape(-1, 2)[row, family]) for s in self.shares]
         text = "for this value of the free parameter the cubic all but misses pose {}"
-        near += [(share / max(shares), text.format(n)) for n, share in enumerate(shares)]
-        size, text = min(near)
-        return f"{text} ({size:.1e})" if size < 0.05 else "the problem is ill-conditioned"
+        near += [((share / max(shares)) ** 0.5, text.format(n)) for n, share in enumerate(shares)]
+        return min(near)
 
 
 POSITION = (
@@ -344,12 +352,12 @@ POSITION = (
 )
 
 
-def relation(x: DualQuaternion, y: DualQuaternion, tolerance: Any) -> str:
+def relation(x: DualQuaternion, y: DualQuaternion, tolerance: Any, nearly: bool = False) -> str:
     """How two poses with b(x, y) = 0 differ."""
-    r = between(x, y)
-    if not np.all(is_zero(r.components[1:4], tolerance, 1.0)):
-        return "differ by a rotation"
-    return "are equal" if no_displacement(x, y, tolerance) else "differ by a translation"
+    word = "nearly " if nearly else ""
+    if not np.all(is_zero(between(x, y).components[1:4], tolerance, 1.0)):
+        return f"{word}differ by a rotation"
+    return f"are {word}equal" if no_displacement(x, y, tolerance) else f"{word}differ by a translation"
 
 
 def no_displacement(x: DualQuaternion, y: DualQuaternion, tolerance: Any) -> Array:
@@ -381,7 +389,7 @@ def families_of(
         raise ValueError("degenerate='nan' needs floats, since NaN is one: convert the poses, or use 'raise'")
     with np.errstate(all="ignore"):
         points = [one if problem.is_exact else one.astype(float), *problem.others]
-        b = _forms(points, rounding(problem))
+        b = _forms(problem, points)
         t3, beyond, discriminant, family_faults = _fourth_parameters(b)
         faults = np.where(
             (row_faults := _row_faults(problem, points, b, discriminant))[..., None] > 0,
@@ -390,10 +398,10 @@ def families_of(
         )
         t3, beyond = np.where(faults > 0, 2, t3), np.where(faults > 0, 1, beyond)
         weights = _weights(problem, b, t3, beyond, free)
-        faults = np.where(faults > 0, faults, _misses(problem, weights))
-    return CubicFamilies(
-        problem, b, t3, beyond, weights, faults, np.full(faults.shape, np.nan), np.nonzero(faults == 0)
-    )
+        shares = _shares(problem, t3, beyond, weights)
+        faults = np.where(faults > 0, faults, _misses(shares))
+    off = np.full(faults.shape, np.nan)
+    return CubicFamilies(problem, b, t3, beyond, weights, shares, faults, off, np.nonzero(faults == 0))
 
 
 def _checked_free(free: Any) -> Array:
@@ -410,8 +418,9 @@ def _problem(given: tuple, free: Array, degenerate: Degenerate) -> tuple[PosePro
     problem = seen_together(*given, degenerate=degenerate)
     if problem.is_exact and not is_exact(free):
         problem = seen_together(*(p.astype(float) for p in as_poses(*given)))
-    if not problem.is_exact and is_exact(free):
-        free = as_float(free)
+    if not problem.is_exact:
+        problem = replace(problem, others=tuple(_projected(q) for q in problem.others))
+        free = as_float(free) if is_exact(free) else free
     shape = np.broadcast_shapes(problem.home.shape, free.shape)
     if shape != problem.home.shape:
         home, *others = (DualQuaternion(np.broadcast_to(q.coeffs, (*shape, 8))) for q in (problem.home, *problem.others))
@@ -419,10 +428,27 @@ def _problem(given: tuple, free: Array, degenerate: Degenerate) -> tuple[PosePro
     return problem, free[..., None] if free.ndim else free[()]
 
 
-def _forms(points: Sequence[DualQuaternion], tolerance: Any) -> dict:
-    """The b_mn; what may be rounding is zero."""
+def _projected(q: DualQuaternion) -> DualQuaternion:
+    """The nearest point of the Study quadric: far from the origin the given numbers are off it, in the unit of length."""
+    return q - eps_times(q) * (study_form(q, q) / 2)
+
+
+def _forms(problem: PoseProblem, points: Sequence[DualQuaternion]) -> dict:
+    """The b_mn; what may be rounding of the given numbers is zero."""
     forms = {(m, n): np.asarray(mutual_form(points[m], points[n])) for m, n in PAIRS}
-    return {pair: np.where(is_zero(b, tolerance, 1.0), 0, b) for pair, b in forms.items()}
+    if problem.is_exact:
+        return forms
+    return {
+        (m, n): np.where(np.abs(b) <= _rounding_of_form(problem, points[m], points[n]), 0, b)
+        for (m, n), b in forms.items()
+    }
+
+
+def _rounding_of_form(problem: PoseProblem, x: DualQuaternion, y: DualQuaternion) -> Array:
+    """What rounding makes of b(x, y), up to a sign the product of vector parts of y x̄: it is small for near poses."""
+    r = np.abs(between(x, y).components)
+    primal, dual = r[1:4].max(axis=0), r[5:].max(axis=0)
+    return ULPS / 4 * (primal + dual) + 16 * problem.noise * primal
 
 
 _exact_sign = np.frompyfunc(lambda x: 1 if x > 0 else -1 if x < 0 else 0, 1, 1)
@@ -430,10 +456,12 @@ _exact_root = np.frompyfunc(lambda x: square_root(x) if x > 0 else 0, 1, 1)
 
 
 def _sign(values: Array) -> Array:
+    values = np.asarray(values)
     return np.sign(values) if values.dtype.kind == "f" else np.asarray(_exact_sign(values))
 
 
 def _root(square: Array) -> Array:
+    square = np.asarray(square)
     return np.sqrt(np.maximum(square, 0)) if square.dtype.kind == "f" else np.asarray(_exact_root(square))
 
 
@@ -583,10 +611,15 @@ def _base(special: Sequence, steps: Sequence, balance: Sequence) -> Array:
     return np.array(numbers)[np.argmax(np.minimum(np.nan_to_num(shares), NEARLY_MISSED**2), axis=0)]
 
 
-def _misses(problem: PoseProblem, weights: Sequence) -> Array:
-    """Which pose a cubic misses: λ_j² p_j p̄_j against the largest of them, as factors of the poses do not matter."""
-    shares = [1 + 0 * weights[0]]
-    shares += [w * w * np.asarray(null_form(q, q))[..., None] for w, q in zip(weights, problem.others, strict=True)]
+def _shares(problem: PoseProblem, t3: Array, beyond: Array, weights: Sequence) -> list[Array]:
+    """λ_j² p_j p̄_j, weighed on the projective line of t; factors of the poses do not matter to it."""
+    balance = zip(weights, problem.others, _squared_distances(t3, beyond), strict=True)
+    shares = [divide(w * w * np.asarray(null_form(q, q))[..., None], d) for w, q, d in balance]
+    return [1 + 0 * shares[0], *map(np.asarray, shares)]
+
+
+def _misses(shares: Sequence) -> Array:
+    """Which pose a cubic misses: the share of the pose against the largest of them."""
     largest = reduce(np.maximum, [_floats(s) for s in shares])
     return first_fault(*((is_zero(s, MISSED**2, largest), fault) for s, fault in zip(shares, MISSES, strict=True)))
 

@@ -53,7 +53,7 @@ POLISH_RTOL = 1e-12
 """From which such distance on the factors are polished."""
 
 
-NO_INVERSE = 1e-6
+NO_INVERSE = 1e-3
 """How small a remainder may be before it is blamed, where there are no factors."""
 
 
