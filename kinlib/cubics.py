@@ -16,11 +16,11 @@ from typing import Any
 
 import numpy as np
 
-from kinlib.dual_quaternion import DualQuaternion, eps_times, null_form, one, study_form
+from kinlib.dual_quaternion import DualQuaternion, eps_times, null_form, study_form
 from kinlib.errors import DegenerateError, Fault, check_degenerate, first_fault, named_rows
 from kinlib.motion_polynomial import MotionPolynomial
 from kinlib.number_field import square_root
-from kinlib.poses import ULPS, PoseProblem, as_poses, between, gap, mutual_form, seen_together
+from kinlib.poses import ULPS, PoseProblem, as_poses, gap, seen_together
 from kinlib.projective import null_space
 from kinlib.scalar import as_float, as_scalars, divide, is_exact, is_zero
 from kinlib.typing import Array, Degenerate, PoseLike
@@ -305,10 +305,9 @@ class CubicFamilies:
             return f"{what}{by}: {text} ({size:.1e})" if size < 0.05 else f"{what}{by}"
         return fault.message
 
-    def _points(self, row: int) -> list[DualQuaternion]:
-        """The four displacements from the first pose of one row."""
-        others = [DualQuaternion(q.coeffs.reshape(-1, 8)[row]) for q in self.others]
-        return [one if self.problem.is_exact else one.astype(float), *others]
+    def _step(self, pair: tuple[int, int], row: int) -> DualQuaternion:
+        """The displacement between two poses of one row."""
+        return DualQuaternion(self.problem.steps[PAIRS.index(pair)].coeffs.reshape(-1, 8)[row])
 
     def _form(self, pair: tuple[int, int], row: int) -> Any:
         return np.ravel(self.forms[pair])[row]
@@ -319,16 +318,14 @@ class CubicFamilies:
 
     def _relations(self, row: int) -> str:
         """Which poses of a row differ by what, if not by a screw."""
-        points = self._points(row)
         tolerance = np.ravel(np.broadcast_to(rounding(self.problem), self.shape))[row]
         pairs = [pair for pair in PAIRS if self._form(pair, row) == 0]
-        return ", ".join(f"poses {m} and {n} {relation(points[m], points[n], tolerance)}" for m, n in pairs)
+        return ", ".join(f"poses {m} and {n} {relation(self._step((m, n), row), tolerance)}" for m, n in pairs)
 
     def _nearest(self, row: int, family: int) -> tuple[float, str]:
         """How near a row is to which degeneracy."""
-        points = self._points(row)
         near = [
-            (abs(float(self._form((m, n), row))), f"poses {m} and {n} {relation(points[m], points[n], 1e-3, True)}")
+            (abs(float(self._form((m, n), row))), f"poses {m} and {n} {relation(self._step((m, n), row), 1e-3, True)}")
             for m, n in PAIRS
         ]
         x, y, z = (float(v) for v in products({pair: self._form(pair, row) for pair in PAIRS}))
@@ -352,17 +349,17 @@ POSITION = (
 )
 
 
-def relation(x: DualQuaternion, y: DualQuaternion, tolerance: Any, nearly: bool = False) -> str:
-    """How two poses with b(x, y) = 0 differ."""
+def relation(step: DualQuaternion, tolerance: Any, nearly: bool = False) -> str:
+    """How two poses differ whose form vanishes, given the displacement from one to the other."""
     word = "nearly " if nearly else ""
-    if not np.all(is_zero(between(x, y).components[1:4], tolerance, 1.0)):
+    if not np.all(is_zero(step.components[1:4], tolerance, 1.0)):
         return f"{word}differ by a rotation"
-    return f"are {word}equal" if no_displacement(x, y, tolerance) else f"{word}differ by a translation"
+    return f"are {word}equal" if no_displacement(step, tolerance) else f"{word}differ by a translation"
 
 
-def no_displacement(x: DualQuaternion, y: DualQuaternion, tolerance: Any) -> Array:
-    """Whether two poses are equal."""
-    return np.all(is_zero(between(x, y).components[[1, 2, 3, 5, 6, 7]], tolerance, 1.0), axis=0)
+def no_displacement(step: DualQuaternion, tolerance: Any) -> Array:
+    """Whether a displacement from one pose to another is none."""
+    return np.all(is_zero(step.components[[1, 2, 3, 5, 6, 7]], tolerance, 1.0), axis=0)
 
 
 def rounding(problem: PoseProblem) -> Any:
@@ -388,11 +385,10 @@ def families_of(
     if problem.is_exact and degenerate == "nan":
         raise ValueError("degenerate='nan' needs floats, since NaN is one: convert the poses, or use 'raise'")
     with np.errstate(all="ignore"):
-        points = [one if problem.is_exact else one.astype(float), *problem.others]
-        b = _forms(problem, points)
+        b = _forms(problem)
         t3, beyond, discriminant, family_faults = _fourth_parameters(b)
         faults = np.where(
-            (row_faults := _row_faults(problem, points, b, discriminant))[..., None] > 0,
+            (row_faults := _row_faults(problem, b, discriminant))[..., None] > 0,
             row_faults[..., None],
             family_faults,
         )
@@ -433,22 +429,20 @@ def _projected(q: DualQuaternion) -> DualQuaternion:
     return q - eps_times(q) * (study_form(q, q) / 2)
 
 
-def _forms(problem: PoseProblem, points: Sequence[DualQuaternion]) -> dict:
+def _forms(problem: PoseProblem) -> dict:
     """The b_mn; what may be rounding of the given numbers is zero."""
-    forms = {(m, n): np.asarray(mutual_form(points[m], points[n])) for m, n in PAIRS}
+    forms = dict(zip(PAIRS, map(np.asarray, problem.forms), strict=True))
     if problem.is_exact:
         return forms
-    return {
-        (m, n): np.where(np.abs(b) <= _rounding_of_form(problem, points[m], points[n]), 0, b)
-        for (m, n), b in forms.items()
-    }
+    limits = map(rounding_of_form, problem.steps, [problem.noise] * 6)
+    return {pair: np.where(np.abs(b) <= limit, 0, b) for (pair, b), limit in zip(forms.items(), limits, strict=True)}
 
 
-def _rounding_of_form(problem: PoseProblem, x: DualQuaternion, y: DualQuaternion) -> Array:
-    """What rounding makes of b(x, y), up to a sign the product of vector parts of y x̄: it is small for near poses."""
-    r = np.abs(between(x, y).components)
+def rounding_of_form(step: DualQuaternion, noise: Array) -> Array:
+    """What rounding makes of b(x, y), the product of the vector parts of the step up to a factor: small for near poses."""
+    r = np.abs(step.components)
     primal, dual = r[1:4].max(axis=0), r[5:].max(axis=0)
-    return ULPS / 4 * (primal + dual) + 16 * problem.noise * primal
+    return ULPS / 4 * (primal + dual) + 16 * noise * primal
 
 
 _exact_sign = np.frompyfunc(lambda x: 1 if x > 0 else -1 if x < 0 else 0, 1, 1)
@@ -506,15 +500,15 @@ def _finite(values: Array) -> Array:
     return np.isfinite(values) if values.dtype.kind == "f" else np.ones(values.shape, dtype=bool)
 
 
-def _row_faults(problem: PoseProblem, points: Sequence[DualQuaternion], b: dict, discriminant: Array) -> Array:
+def _row_faults(problem: PoseProblem, b: dict, discriminant: Array) -> Array:
     """What is wrong with both families."""
     zero = {pair: np.asarray(is_zero(value, rtol=0)) for pair, value in b.items()}
     nothing = (zero[0, 1] | zero[2, 3]) & (zero[0, 2] | zero[1, 3]) & (zero[0, 3] | zero[1, 2])
     triangles = [np.all([zero[pair] for pair in PAIRS if n not in pair], axis=0) for n in range(4)]
     tolerance, equal = rounding(problem), np.zeros(nothing.shape, dtype=bool)
-    for m, n in PAIRS:
-        if zero[m, n].any():
-            equal = equal | (zero[m, n] & no_displacement(points[m], points[n], tolerance))
+    for pair, step in zip(PAIRS, problem.steps, strict=True):
+        if zero[pair].any():
+            equal = equal | (zero[pair] & no_displacement(step, tolerance))
     undefined = np.zeros(nothing.shape, dtype=bool) if problem.is_exact else np.isnan(discriminant)
     return first_fault(
         (undefined, CubicFault.UNDEFINED),

@@ -461,18 +461,18 @@ def split_motion(C: MotionPolynomial) -> tuple[np.ndarray, np.ndarray]:
     with np.errstate(all="ignore"):
         roots = eigenvalue_roots(as_float(C.norm_polynomial()))
         value, slope = _value_and_slope(C, roots)
-        roots = _stepped(roots, null_form(value, value) / (2 * null_form(value, slope)))
+        roots = _stepped(roots, (value * value).sum(axis=0) / (2 * (value * slope).sum(axis=0)))
         return quadratics_with(in_order(roots)), (roots.imag <= 0).any(axis=-1)
 
 
-def _value_and_slope(C: MotionPolynomial, t: np.ndarray) -> tuple[DualQuaternion, DualQuaternion]:
-    """The primal parts of C and of its derivative at several parameters of each row."""
-    coefficients = [np.concatenate([c.components[:4], 0 * c.components[:4]])[..., None] for c in C.coefficients]
-    value, slope = coefficients[0] + 0 * t, 0 * coefficients[0] + 0 * t
+def _value_and_slope(C: MotionPolynomial, t: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """The primal parts of C and of its derivative, components first, at several parameters of each row."""
+    coefficients = [c.components[:4].reshape(4, *(1,) * (t.ndim - c.components.ndim), *c.shape, 1) for c in C.coefficients]
+    value, slope = coefficients[0] + 0 * t, 0 * t
     for c in coefficients[1:]:
         slope = slope * t + value
         value = value * t + c
-    return DualQuaternion.from_components(value), DualQuaternion.from_components(slope)
+    return value, slope
 
 
 def factor_in_orders(C: MotionPolynomial, quadratics: np.ndarray, orders) -> list[DualQuaternion]:

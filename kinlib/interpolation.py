@@ -9,12 +9,12 @@ from typing import Any
 
 import numpy as np
 
-from kinlib.cubics import MET, CubicFault, families_of, no_displacement, rounding
+from kinlib.cubics import MET, CubicFault, families_of, no_displacement, rounding, rounding_of_form
 from kinlib.dual_quaternion import DualQuaternion, one, study_form
 from kinlib.errors import Fault, first_fault, report_faults
 from kinlib.motion_polynomial import MotionPolynomial
-from kinlib.poses import PoseProblem, as_poses, gap, mutual_form, seen_together
-from kinlib.scalar import divide, is_exact, is_zero, size
+from kinlib.poses import PoseProblem, as_poses, gap, seen_together
+from kinlib.scalar import divide, is_exact, is_zero
 from kinlib.typing import Array, ArrayLike, Degenerate, PoseLike, ScalarLike
 
 __all__ = ["Families", "conic_through", "cubics_through", "fourth_parameters"]
@@ -60,37 +60,25 @@ def conic_through(p0: PoseLike, p1: PoseLike, p2: PoseLike, *, degenerate: Degen
     """
     poses = as_poses(p0, p1, p2, degenerate=degenerate)
     if all(is_exact(p.components) for p in poses):
-        report_faults(_conic_faults(poses, 0), ConicFault, "raise")
+        steps = [q * p.conjugate() for p, q in combinations(poses, 2)]
+        report_faults(_conic_faults(steps, [0, 0, 0], 0), ConicFault, "raise")
         return conic(*poses)
     problem = seen_together(*poses, degenerate=degenerate)
-    points = [one.astype(float), *problem.others]
     with np.errstate(all="ignore"):
-        C = conic(*points)
-        lost = ~(reduce(np.maximum, [gap(C(t), q) for t, q in zip((0.0, 1.0), problem.others, strict=True)]) <= MET)
-    faults = _conic_faults(points, rounding(problem))
-    faults = np.where((faults == 0) & lost, ConicFault.LOST, faults)
+        C = conic(one.astype(float), *problem.others)
+        missed = reduce(np.maximum, [gap(C(t), q) for t, q in zip((0.0, 1.0), problem.others, strict=True)])
+        faults = _conic_faults(
+            problem.steps, [rounding_of_form(step, problem.noise) for step in problem.steps], rounding(problem)
+        )
+    faults = np.where((faults == 0) & ~(missed <= CUBIC_MET), ConicFault.LOST, faults)
     return _outward(problem, C, report_faults(faults, ConicFault, degenerate))
 
 
-def _conic_faults(poses: Sequence[DualQuaternion], tolerance) -> np.ndarray:
-    pairs = list(combinations(poses, 2))
-    zero = [is_zero(mutual_form(x, y), tolerance, 1.0) for x, y in pairs]
-    equal = [z & no_displacement(x, y, tolerance) for z, (x, y) in zip(zero, pairs, strict=True)] if np.any(zero) else zero
+def _conic_faults(steps: Sequence[DualQuaternion], limits: Sequence, tolerance: Any) -> np.ndarray:
+    """What is wrong with three poses, given the displacements between them; 0 if nothing."""
+    zero = [np.asarray(is_zero(step.components[4], limit, 1.0)) for step, limit in zip(steps, limits, strict=True)]
+    equal = [z & no_displacement(step, tolerance) if z.any() else z for z, step in zip(zero, steps, strict=True)]
     return first_fault((np.any(equal, axis=0), ConicFault.EQUAL), (np.any(zero, axis=0), ConicFault.TANGENT))
-
-
-def conic(p0: DualQuaternion, p1: DualQuaternion, p2: DualQuaternion) -> MotionPolynomial:
-    """The conic through three poses, unchecked."""
-    b01, b02, b12 = study_form(p0, p1), study_form(p0, p2), study_form(p1, p2)
-    q1, q2 = p1 * divide(b02, b12), p2 * divide(b01, b12)
-    return MotionPolynomial.from_coefficients((p0, q2 - q1 - p0, q1))
-
-
-def is_tangent(p0: DualQuaternion, p1: DualQuaternion, p2: DualQuaternion) -> np.ndarray:
-    """Where the plane of three poses is tangent to the Study quadric: two of them are conjugate."""
-    sizes = [(size(p.components[:4], 0), size(p.components[4:], 0)) for p in (p0, p1, p2)]
-    pairs = zip(combinations((p0, p1, p2), 2), combinations(sizes, 2), strict=True)
-    return np.any([is_zero(study_form(x, y), a * d + b * c, 1e-14) for (x, y), ((a, b), (c, d)) in pairs], axis=0)
 
 
 def _outward(problem: PoseProblem, C: MotionPolynomial, bad: Array) -> MotionPolynomial:
@@ -99,6 +87,13 @@ def _outward(problem: PoseProblem, C: MotionPolynomial, bad: Array) -> MotionPol
     if np.any(bad):
         coefficients = [DualQuaternion(np.where(bad[..., None], np.nan, c.coeffs)) for c in coefficients]
     return MotionPolynomial.from_coefficients(coefficients)
+
+
+def conic(p0: DualQuaternion, p1: DualQuaternion, p2: DualQuaternion) -> MotionPolynomial:
+    """The conic through three poses, unchecked."""
+    b01, b02, b12 = study_form(p0, p1), study_form(p0, p2), study_form(p1, p2)
+    q1, q2 = p1 * divide(b02, b12), p2 * divide(b01, b12)
+    return MotionPolynomial.from_coefficients((p0, q2 - q1 - p0, q1))
 
 
 class Families(tuple):
