@@ -8,7 +8,7 @@ quadratic equation, and leaves λ a line.  What may be wrong with one of the two
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, reduce
 from itertools import combinations
@@ -72,8 +72,8 @@ class CubicFault(Fault):
     )
     DEPENDENT = (
         5,
-        "the four poses are dependent (as points of P⁷ they lie in a plane, the fourth on the conic of the others): the "
-        "only cubic through them is a conic with a real factor",
+        "the four poses are dependent (as points of P⁷ they lie in a plane, the fourth on the conic of the others): "
+        "the only cubic through them is a conic with a real factor",
     )
     UNREAL = 6, "neither family is real: the Gram determinant of the four poses is negative"
     SAME = 7, "the two families are one: the Gram determinant of the four poses vanishes"
@@ -131,7 +131,7 @@ class CubicRows:
         unit = np.sqrt(distances.min(axis=0) * distances.max(axis=0))
         return np.where(near_one, 1.0, 0.0), np.exp2(np.round(np.log2(unit)))
 
-    def some(self, rows: Array) -> CubicRows:
+    def some(self, rows: Array | slice) -> CubicRows:
         """Some of the rows."""
         return CubicRows(
             tuple(q[rows] for q in self.others),
@@ -166,7 +166,6 @@ def _lagrange(scaled: Sequence[DualQuaternion], t: Sequence) -> MotionPolynomial
         for n, factor in enumerate((1, -(a + b), a * b), start=1):
             coefficients[n] = coefficients[n] + q * factor
     return MotionPolynomial.from_coefficients(coefficients)
-
 
 
 @dataclass(frozen=True)
@@ -234,7 +233,7 @@ class CubicFamilies:
         middle, length = middle.reshape(-1, *inner, 3), length.reshape(-1, *inner)
         return replace(self.problem, middle=middle, length=length).outward(q)
 
-    def less(self, faults: Array, off: Array) -> CubicFamilies:
+    def less(self, faults: Array | int, off: Array | float) -> CubicFamilies:
         """The same families with faults of the rows."""
         all_faults, all_off = self.faults.copy(), self.off.copy()
         all_faults[self.chosen], all_off[self.chosen] = faults, off
@@ -281,7 +280,9 @@ class CubicFamilies:
         for fault in np.unique(faults[faults > 0]):
             rows = np.flatnonzero(faults == fault)
             where = named_rows(rows) if self.shape else ""
-            texts.append(f"{where}{FAMILIES[family]} family: {self._explained(CubicFault(fault), int(rows[0]), family)}")
+            texts.append(
+                f"{where}{FAMILIES[family]} family: {self._explained(CubicFault(fault), int(rows[0]), family)}"
+            )
         return texts
 
     def _summary(self, flat: Array, missing: tuple[str, ...]) -> str:
@@ -419,13 +420,15 @@ def _problem(given: tuple, free: Array, degenerate: Degenerate) -> tuple[PosePro
         free = as_float(free) if is_exact(free) else free
     shape = np.broadcast_shapes(problem.home.shape, free.shape)
     if shape != problem.home.shape:
-        home, *others = (DualQuaternion(np.broadcast_to(q.coeffs, (*shape, 8))) for q in (problem.home, *problem.others))
+        home, *others = (
+            DualQuaternion(np.broadcast_to(q.coeffs, (*shape, 8))) for q in (problem.home, *problem.others)
+        )
         problem = replace(problem, home=home, others=tuple(others))
     return problem, free[..., None] if free.ndim else free[()]
 
 
 def _projected(q: DualQuaternion) -> DualQuaternion:
-    """The nearest point of the Study quadric: far from the origin the given numbers are off it, in the unit of length."""
+    """The nearest point of the Study quadric: poses given far from the origin are off it, in the unit of length."""
     return q - eps_times(q) * (study_form(q, q) / 2)
 
 
@@ -439,7 +442,7 @@ def _forms(problem: PoseProblem) -> dict:
 
 
 def rounding_of_form(step: DualQuaternion, noise: Array) -> Array:
-    """What rounding makes of b(x, y), the product of the vector parts of the step up to a factor: small for near poses."""
+    """What rounding makes of b(x, y), which is the product of the vector parts of the step, up to a factor."""
     r = np.abs(step.components)
     primal, dual = r[1:4].max(axis=0), r[5:].max(axis=0)
     return ULPS / 4 * (primal + dual) + 16 * noise * primal
@@ -588,7 +591,9 @@ def _unit_of_freedom(b: tuple, whole: Array, total: Array) -> Array:
         return unit
     x, y, z = np.broadcast_arrays(b01 * b23, b02 * b13, b03 * b12, total)[:3]
     largest = np.maximum(np.maximum(*(as_float(v * v) for v in (x, y))), as_float(z * z))
-    leading = np.select([as_float(v * v) >= largest / 4 for v in (x, y)], [as_float(_sign(v)) for v in (x, y)], as_float(_sign(z)))
+    leading = np.select(
+        [as_float(v * v) >= largest / 4 for v in (x, y)], [as_float(_sign(v)) for v in (x, y)], as_float(_sign(z))
+    )
     lengths = _root(np.where(found, 1, divide(whole, total)))
     return np.where(found, unit, lengths * leading.astype(int if lengths.dtype == object else float))
 
@@ -598,9 +603,7 @@ def _base(special: Sequence, steps: Sequence, balance: Sequence) -> Array:
     numbers = (0, 1, -1, 2, -2)
     shares = []
     for number in numbers:
-        parts = [
-            as_float(w) * as_float(v + number * s) ** 2 for w, v, s in zip(balance, special, steps, strict=True)
-        ]
+        parts = [as_float(w) * as_float(v + number * s) ** 2 for w, v, s in zip(balance, special, steps, strict=True)]
         shares.append(reduce(np.minimum, [1, *parts]) / (1 + sum(parts)))
     return np.array(numbers)[np.argmax(np.minimum(np.nan_to_num(shares), NEARLY_MISSED**2), axis=0)]
 

@@ -467,7 +467,9 @@ def split_motion(C: MotionPolynomial) -> tuple[np.ndarray, np.ndarray]:
 
 def _value_and_slope(C: MotionPolynomial, t: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """The primal parts of C and of its derivative, components first, at several parameters of each row."""
-    coefficients = [c.components[:4].reshape(4, *(1,) * (t.ndim - c.components.ndim), *c.shape, 1) for c in C.coefficients]
+    coefficients = [
+        c.components[:4].reshape(4, *(1,) * (t.ndim - c.components.ndim), *c.shape, 1) for c in C.coefficients
+    ]
     value, slope = coefficients[0] + 0 * t, 0 * t
     for c in coefficients[1:]:
         slope = slope * t + value
@@ -599,7 +601,7 @@ def polished(C: MotionPolynomial, factors, steps: int = 3) -> list[DualQuaternio
     return factors
 
 
-def polished_at(t: Sequence, values: Sequence[DualQuaternion], factors, steps: int = 2) -> list[DualQuaternion]:
+def polished_at(t: Sequence | Array, values: Sequence[DualQuaternion], factors, steps: int = 2) -> list[DualQuaternion]:
     """Factors whose product is nearer to given values at n parameters: Newton's method as in :func:`polished`.
 
     Where the values are of very different sizes these digits do not drown in the coefficients of the polynomial.

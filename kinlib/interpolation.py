@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from kinlib.cubics import MET, CubicFault, families_of, no_displacement, rounding, rounding_of_form
+from kinlib.cubics import CubicFault, families_of, no_displacement, rounding, rounding_of_form
 from kinlib.dual_quaternion import DualQuaternion, one, study_form
 from kinlib.errors import Fault, first_fault, report_faults
 from kinlib.motion_polynomial import MotionPolynomial

@@ -87,6 +87,9 @@ class MotionPolynomial:
     """
 
     __slots__ = ("_coefficients", "_columns", "_factors")
+    _coefficients: tuple[DualQuaternion, ...]
+    _columns: tuple[Array, ...] | None
+    _factors: tuple[tuple[DualQuaternion, ...], DualQuaternion] | None
     __hash__ = None
     __array_ufunc__ = None
 
@@ -435,7 +438,5 @@ def check_monic(C: MotionPolynomial, degenerate: Degenerate = "raise") -> np.nda
     undefined = np.isnan(size(C.leading.coeffs, -1)) if degenerate == "nan" else False
     if not np.all(monic | undefined):
         rows = named_rows(np.flatnonzero(~monic & ~undefined) if np.ndim(monic) else ())
-        raise ValueError(
-            f"{rows}expected a monic polynomial (the identity at t = ∞): factor C * C.leading.inverse()"
-        )
+        raise ValueError(f"{rows}expected a monic polynomial (the identity at t = ∞): factor C * C.leading.inverse()")
     return report_faults(~np.asarray(C._is_on_quadric(RTOL)) * MotionFault.OFF_QUADRIC, MotionFault, degenerate)

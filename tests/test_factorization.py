@@ -410,10 +410,10 @@ REAL_FACTORS = {
 def test_a_real_factor_of_the_primal_part_is_named(name, scalars):
     """These are all turns: it is not a translation that hinders."""
     C = scalars * product(REAL_FACTORS[name])
-    with pytest.raises(DegenerateError, match="the primal part has a real factor|no factorization"):
+    with pytest.raises(DegenerateError, match=r"the primal part has a real factor|no factorization"):
         factorizations(C)
     if scalars == 1:
-        with pytest.raises(DegenerateError, match="^the primal part has a real factor"):
+        with pytest.raises(DegenerateError, match=r"^the primal part has a real factor"):
             factorizations(C)
 
 
@@ -449,9 +449,13 @@ def test_the_order_does_not_flip_with_rounding():
     random = np.random.default_rng(0)
     C = product([1.0 * i, 2.0 * j - 2 * eps * i, 3.0 * k])
     polynomials = C.norm_polynomial() + 1e-14 * random.normal(size=(50, 7))
-    assert quadratic_factors(polynomials) == pytest.approx(np.broadcast_to([[1, 0, 1], [1, 0, 4], [1, 0, 9]], (50, 3, 3)))
+    assert quadratic_factors(polynomials) == pytest.approx(
+        np.broadcast_to([[1, 0, 1], [1, 0, 4], [1, 0, 9]], (50, 3, 3))
+    )
     for factors, expected in zip(factorizations(C), exact, strict=True):
-        assert all(h.coeffs == pytest.approx(g.coeffs.astype(float), abs=1e-12) for h, g in zip(factors, expected, strict=True))
+        assert all(
+            h.coeffs == pytest.approx(g.coeffs.astype(float), abs=1e-12) for h, g in zip(factors, expected, strict=True)
+        )
 
 
 def test_rows_without_factorizations_are_named_or_nan():
@@ -504,7 +508,7 @@ def test_only_neighbours_are_exchanged(n):
 
 
 def test_rows_that_cannot_be_exchanged_are_named():
-    with pytest.raises(DegenerateError, match="^row 1: the two factors have conjugate") as caught:
+    with pytest.raises(DegenerateError, match=r"^row 1: the two factors have conjugate") as caught:
         bennett_flip(DualQuaternion.stack([i, i]), DualQuaternion.stack([j, -i]))
     assert caught.value.rows == (1,)
 
