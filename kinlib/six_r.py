@@ -32,6 +32,9 @@ BLOCK = 2048
 POLISH = 1e-11
 """Linkages that miss a pose by more than this are polished."""
 
+FAR_OFF = 1e-4
+"""Only factors that miss a pose by more than this are blamed on the cubic instead of on rounding."""
+
 FACTOR_FAULTS = {
     FactorFault.REAL_ROOT: CubicFault.REAL_ROOT,
     FactorFault.REAL_FACTOR: CubicFault.UNSPLIT,
@@ -112,7 +115,7 @@ def _factored_block(rows: CubicRows) -> tuple[list[DualQuaternion], Array, Array
     lost = ~(missed <= MET)
     faults = first_fault(
         (real, CubicFault.REAL_ROOT),
-        (lost & (least <= NO_INVERSE).any(axis=-1), CubicFault.UNSPLIT),
+        (lost & ~(missed < FAR_OFF) & (least <= NO_INVERSE).any(axis=-1), CubicFault.UNSPLIT),
         (lost, CubicFault.LOST),
     )
     return factors, faults, missed
