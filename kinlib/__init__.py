@@ -16,9 +16,9 @@ from kinlib.displacement import (
 from kinlib.dual_quaternion import DualQuaternion, eps, i, j, k, null_form, one, study_form
 from kinlib.dyad import Dyad, NullQuadrilateral, TwoRSpace, primal_coordinates, recognise
 from kinlib.errors import DegenerateError
-from kinlib.factorization import bennett_flip, factorizations, factorize, quadratic_factors
+from kinlib.factorization import bennett_flip, exchange, factorizations, factorize, quadratic_factors
 from kinlib.goldberg import goldberg_linkages
-from kinlib.interpolation import conic_through, cubics_through, fourth_parameters
+from kinlib.interpolation import Families, conic_through, cubics_through, fourth_parameters
 from kinlib.line import Line, common_perpendicular
 from kinlib.linkage import DHRow, Linkage
 from kinlib.motion_polynomial import MotionPolynomial, RationalCurve, linear_factor
@@ -46,6 +46,7 @@ __all__ = [
     "DegenerateError",
     "DualQuaternion",
     "Dyad",
+    "Families",
     "Line",
     "Linkage",
     "MotionPolynomial",
@@ -71,6 +72,7 @@ __all__ = [
     "cubics_through",
     "dyads_through_poses",
     "eps",
+    "exchange",
     "factorizations",
     "factorize",
     "fourth_parameters",

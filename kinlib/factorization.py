@@ -4,28 +4,60 @@ The norm polynomial C C̄ of a motion polynomial of degree n is a product of n r
 Each order of them gives one factorization C = (t − h_1) ⋯ (t − h_n) with the n-th of these quadratics as
 (t − h_n)(t − h̄_n) (Hegedüs, Schicho & Schröcker 2013, Theorem 1).  Splitting the real polynomial is the only
 irrational step; it is done in :func:`quadratic_factors`.
+
+In floats the parameter t is first moved to the middle of the roots and measured in their unit: neither matters to
+the linear factors, both matter to rounding.
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from fractions import Fraction
-from itertools import permutations
+from functools import reduce
+from itertools import pairwise, permutations
 from numbers import Rational
+from operator import index, mul
+from typing import NamedTuple
 
 import numpy as np
 
-from kinlib.dual_quaternion import DualQuaternion
-from kinlib.errors import DegenerateError
-from kinlib.motion_polynomial import MotionPolynomial, check_monic, multiply
+from kinlib.dual_quaternion import DualQuaternion, null_form, one
+from kinlib.errors import DegenerateError, Fault, first_fault, report_faults
+from kinlib.motion_polynomial import MotionPolynomial, check_monic
 from kinlib.number_field import NumberField, NumberFieldElement, square_root
-from kinlib.scalar import as_float, as_scalars, divide, is_exact, is_zero, size
+from kinlib.scalar import as_float, as_scalars, divide, is_exact, is_zero
+from kinlib.typing import Array, ArrayLike, Degenerate
 
-__all__ = ["bennett_flip", "factorizations", "factorize", "quadratic_factors", "quadratic_of"]
-
-REAL_ROOT = "the polynomial has a real root: the motion passes through the exceptional space"
+__all__ = ["bennett_flip", "exchange", "factorizations", "factorize", "quadratic_factors", "quadratic_of"]
 
 
-def quadratic_factors(polynomial) -> np.ndarray:
+class FactorFault(Fault):
+    """Why a motion polynomial has no factors."""
+
+    REAL_ROOT = 1, "the polynomial has a real root: the motion passes through the exceptional space"
+    REAL_FACTOR = (
+        2,
+        "the primal part has a real factor (a remainder modulo a quadratic factor of the norm polynomial has no "
+        "inverse): no linear factor is determined",
+    )
+    UNSPLIT = 3, "the polynomial has no factorization with its quadratic factors in this order"
+
+
+SAME_ROOT = 1e-9
+"""Real parts of roots that differ by less than this, relative to the spread of the roots, count as equal."""
+
+PRODUCT_RTOL = 1e-9
+"""How far the product of the factors may be from the polynomial, relative to the numbers that are added."""
+
+POLISH_RTOL = 1e-12
+"""From which such distance on the factors are polished."""
+
+
+NO_INVERSE = 1e-3
+"""How small a remainder may be before it is blamed, where there are no factors."""
+
+
+def quadratic_factors(polynomial: ArrayLike) -> np.ndarray:
     """Split a real polynomial without real roots into monic quadratic polynomials.
 
     Parameters
@@ -37,7 +69,9 @@ def quadratic_factors(polynomial) -> np.ndarray:
     Returns
     -------
     numpy.ndarray, shape (..., n, 3)
-        Coefficients 1, b, c of the factors, sorted by the real part of their roots, then by the imaginary.
+        Coefficients 1, b, c of the factors, sorted by the real part of their roots, then by the imaginary.  Real
+        parts that differ by 1e-9 of the spread of the roots count as equal, so that rounding does not change the
+        order.
 
     Raises
     ------
@@ -64,32 +98,91 @@ def quadratic_factors(polynomial) -> np.ndarray:
     if polynomial.ndim == 1 and polynomial.dtype.kind == "f" and not np.all(np.isfinite(polynomial)):
         raise ValueError("expected finite coefficients, got NaN or infinity")
     if not is_exact(polynomial):
-        return _split_floats(as_float(polynomial))
+        return quadratics_with(upper_roots(as_float(polynomial)))
     rows = polynomial.reshape(-1, polynomial.shape[-1])
     factors = np.array([_split_exact(row) for row in rows], dtype=object)
     return factors.reshape(*polynomial.shape[:-1], polynomial.shape[-1] // 2, 3)
 
 
-def _split_floats(polynomial: np.ndarray) -> np.ndarray:
-    roots = upper_roots(polynomial)
-    return np.stack([np.ones(roots.shape), -2 * roots.real, np.abs(roots) ** 2], axis=-1)
+def quadratics_with(roots: np.ndarray) -> np.ndarray:
+    """The monic real quadratic polynomials with these complex roots, shape (..., 3)."""
+    return np.stack([np.ones(roots.shape), -2 * roots.real, roots.real**2 + roots.imag**2], axis=-1)
 
 
 def upper_roots(polynomial: np.ndarray) -> np.ndarray:
-    """The roots with positive imaginary part of real polynomials, shape (..., 2n+1), as eigenvalues; (..., n)."""
+    """The roots with positive imaginary part of real polynomials, shape (..., 2n+1), in order; (..., n)."""
+    degree = polynomial.shape[-1] - 1
+    with np.errstate(all="ignore"):
+        centre = np.expand_dims(-polynomial[..., 1] / (degree * polynomial[..., 0]), -1)
+        rows = shifted([polynomial[..., n] for n in range(degree + 1)], centre[..., 0])
+        unit = np.expand_dims(_unit_of(rows), -1)
+        moved = np.stack(rows, axis=-1) / unit ** np.arange(degree + 1)
+        roots = _improved(moved, eigenvalue_roots(moved))
+    report_faults((roots.imag <= 0).any(axis=-1) * FactorFault.REAL_ROOT, FactorFault, "raise")
+    return centre + unit * in_order(roots)
+
+
+def shifted(coefficients, centre) -> list:
+    """The coefficients of a polynomial in u = t − centre."""
+    shifted = list(coefficients)
+    for n in range(len(shifted) - 1, 0, -1):
+        for m in range(1, n + 1):
+            shifted[m] = shifted[m] + shifted[m - 1] * centre
+    return shifted
+
+
+def _unit_of(rows) -> np.ndarray:
+    """The geometric mean of the roots of a polynomial, as a power of two."""
+    return _power_of_two((rows[-1] / rows[0]) ** (1 / (len(rows) - 1)))
+
+
+def _power_of_two(mean: np.ndarray) -> np.ndarray:
+    return np.where(np.isfinite(mean) & (mean > 0), np.exp2(np.round(np.log2(mean))), 1.0)
+
+
+def eigenvalue_roots(polynomial: np.ndarray) -> np.ndarray:
+    """As many roots as the half degree says, those with the largest imaginary parts; NaN for NaN; (..., n)."""
     monic = polynomial[..., 1:] / polynomial[..., :1]
     degree = monic.shape[-1]
     companion = np.zeros((*monic.shape[:-1], degree, degree))
     companion[..., 0, :] = -monic
     companion[..., np.arange(1, degree), np.arange(degree - 1)] = 1
     defined = np.isfinite(monic).all(axis=-1, keepdims=True)
-    roots = np.linalg.eigvals(np.where(defined[..., None], companion, np.eye(degree)))
+    roots = np.linalg.eigvals(companion if defined.all() else np.where(defined[..., None], companion, 0)) + 0j
     upper = np.take_along_axis(roots, np.argsort(-roots.imag, axis=-1)[..., : degree // 2], -1)
-    if np.any(defined & (upper.imag <= 0)):
-        raise DegenerateError(REAL_ROOT)
-    unit = np.abs(roots).max(axis=-1, keepdims=True)
-    order = np.lexsort((upper.imag, np.round(upper.real / unit, 9)), axis=-1)
-    return np.where(defined, np.take_along_axis(upper, order, -1), np.nan)
+    return np.where(defined, upper, np.nan + 1j)
+
+
+def _improved(polynomial: np.ndarray, roots: np.ndarray) -> np.ndarray:
+    """Roots after one step of Newton's method, where it is a small one."""
+    rows = [polynomial[..., n, None] for n in range(polynomial.shape[-1])]
+    value, slope = rows[0] + 0 * roots, 0 * roots
+    for c in rows[1:]:
+        value, slope = value * roots + c, slope * roots + value
+    return _stepped(roots, value / slope)
+
+
+def _stepped(roots: np.ndarray, step: np.ndarray) -> np.ndarray:
+    """Roots less a correction, where that is much smaller than their distance from all other roots."""
+    between = np.abs(roots[..., :, None] - roots[..., None, :])
+    between[..., range(roots.shape[-1]), range(roots.shape[-1])] = np.inf
+    distance = np.minimum(between.min(axis=-1), 2 * roots.imag)
+    return np.where(np.abs(step) < 1e-3 * distance, roots - step, roots)
+
+
+def in_order(roots: np.ndarray) -> np.ndarray:
+    """Roots sorted by their real parts, then by their imaginary parts."""
+    return np.take_along_axis(roots, order_of(roots.real, roots.imag), -1)
+
+
+def order_of(real: np.ndarray, imaginary: np.ndarray) -> np.ndarray:
+    """The numbers of roots by their real parts, then by their imaginary parts; nearly equal real parts are equal."""
+    by_real = np.argsort(real, axis=-1)
+    ascending = np.take_along_axis(real, by_real, -1)
+    spread = np.maximum(ascending[..., -1:] - ascending[..., :1], np.abs(imaginary).max(axis=-1, keepdims=True))
+    level = np.zeros(real.shape, dtype=int)
+    np.put_along_axis(level, by_real[..., 1:], np.cumsum(np.diff(ascending) > SAME_ROOT * spread, axis=-1), -1)
+    return np.lexsort((imaginary, level), axis=-1)
 
 
 def _split_exact(row: np.ndarray) -> list[list]:
@@ -104,8 +197,17 @@ def _split_exact(row: np.ndarray) -> list[list]:
         coefficients = [_out_of_domain(c, field) for c in factor.monic().rep.to_list()]
         split += _split_irreducible(coefficients, field) * power
     if any(b * b - 4 * c >= 0 for _, b, c in split):
-        raise DegenerateError(REAL_ROOT)
-    return sorted(split, key=lambda quadratic: (-float(quadratic[1]), float(quadratic[2])))
+        raise DegenerateError(FactorFault.REAL_ROOT.message)
+    return _sorted(split)
+
+
+def _sorted(quadratics: list[list]) -> list[list]:
+    """Exact quadratic polynomials in the order of their roots."""
+    if not quadratics:
+        return quadratics
+    real = np.array([-float(b) / 2 for _, b, _ in quadratics])
+    imaginary = np.array([float(4 * c - b * b) ** 0.5 / 2 for _, b, c in quadratics])
+    return [quadratics[n] for n in order_of(real, imaginary)]
 
 
 def _split_symbols(row: np.ndarray) -> list[list]:
@@ -135,7 +237,7 @@ def _split_irreducible(coefficients: list, field: NumberField | None) -> list[li
     """Quadratic factors of an irreducible monic polynomial."""
     degree = len(coefficients) - 1
     if degree == 1:
-        raise DegenerateError(REAL_ROOT)
+        raise DegenerateError(FactorFault.REAL_ROOT.message)
     if degree == 2:
         return [coefficients]
     if degree == 4 and field is None:
@@ -190,8 +292,15 @@ def quadratic_of(h: DualQuaternion) -> np.ndarray:
     return np.stack([real * 0 + 1, -2 * real, h.norm().scalar_part], axis=-1)
 
 
-def factorizations(C: MotionPolynomial) -> list[tuple[DualQuaternion, ...]]:
+def factorizations(C: MotionPolynomial, *, degenerate: Degenerate = "raise") -> list[tuple[DualQuaternion, ...]]:
     """All n! factorizations of a monic motion polynomial, one for each order of its quadratic factors.
+
+    Parameters
+    ----------
+    C : MotionPolynomial
+        Monic, of degree n.
+    degenerate : {"raise", "nan"}
+        What becomes of rows of a batch without factorizations: an error that names them, or NaN.
 
     Returns
     -------
@@ -213,17 +322,21 @@ def factorizations(C: MotionPolynomial) -> list[tuple[DualQuaternion, ...]]:
     i | 2 j - 2 εi
     8/5 i + 6/5 j - 18/25 εi + 24/25 εj | -3/5 i + 4/5 j - 32/25 εi - 24/25 εj
     """
-    check_monic(C)
+    bad = check_monic(C, degenerate)
     if C.degree == 0:
         return [()]
-    quadratics = quadratic_factors(C.norm_polynomial())
     orders = list(permutations(range(C.degree)))
-    factors = factor_in_orders(C, quadratics, orders)
-    check_factors(C, factors)
+    factors = _factors(C, orders, None, bad, degenerate)
     return [tuple(h[..., n] for h in factors) for n in range(len(orders))]
 
 
-def factorize(C: MotionPolynomial, order, quadratics=None) -> tuple[DualQuaternion, ...]:
+def factorize(
+    C: MotionPolynomial,
+    order: Sequence[int],
+    quadratics: ArrayLike | None = None,
+    *,
+    degenerate: Degenerate = "raise",
+) -> tuple[DualQuaternion, ...]:
     """The factorization in which the n-th factor has the quadratic polynomial number ``order[n]``.
 
     Parameters
@@ -232,8 +345,10 @@ def factorize(C: MotionPolynomial, order, quadratics=None) -> tuple[DualQuaterni
         Monic, of degree n.
     order : sequence of int
         A permutation of 0, …, n−1.
-    quadratics : array, shape (..., n, 3), optional
+    quadratics : array_like, shape (..., n, 3), optional
         The factors of C C̄ in a numbering of your own; by default that of :func:`quadratic_factors`.
+    degenerate : {"raise", "nan"}
+        What becomes of rows of a batch without this factorization: an error that names them, or NaN.
 
     Examples
     --------
@@ -242,37 +357,159 @@ def factorize(C: MotionPolynomial, order, quadratics=None) -> tuple[DualQuaterni
     >>> linear_factor(h1) * linear_factor(h2) == linear_factor(i) * linear_factor(2 * j - 2 * eps * i)
     True
     """
-    check_monic(C)
-    if sorted(order) != list(range(C.degree)):
-        raise ValueError(f"expected a permutation of 0, …, {C.degree - 1}, got {tuple(order)}")
-    quadratics = quadratic_factors(C.norm_polynomial()) if quadratics is None else quadratics
-    factors = factor_in_orders(C, np.asarray(quadratics), [order])
-    check_factors(C, factors)
-    return tuple(h[..., 0] for h in factors)
+    bad = check_monic(C, degenerate)
+    order = _checked_order(order, C.degree)
+    if quadratics is not None:
+        quadratics = as_scalars(quadratics)
+        if quadratics.shape[-2:] != (C.degree, 3):
+            raise ValueError(f"expected quadratics of shape (..., {C.degree}, 3), got {quadratics.shape}")
+    return tuple(h[..., 0] for h in _factors(C, [order], quadratics, bad, degenerate)) if C.degree else ()
+
+
+def _checked_order(order: Sequence[int], degree: int) -> tuple[int, ...]:
+    try:
+        numbers = tuple(index(n) for n in order)
+    except TypeError:
+        raise TypeError(f"expected an order: a permutation of whole numbers, got {order!r}") from None
+    if sorted(numbers) != list(range(degree)):
+        raise ValueError(f"expected a permutation of 0, …, {degree - 1}, got {numbers}")
+    return numbers
+
+
+def _factors(C: MotionPolynomial, orders, quadratics, bad: np.ndarray, degenerate: Degenerate) -> list[DualQuaternion]:
+    """The factors for several orders at once, checked; orders on the last axis, NaN in the bad rows."""
+    if all(is_exact(c.components) for c in C.coefficients) and (quadratics is None or is_exact(quadratics)):
+        factors, faults = factored(C, orders, quadratics)
+        report_faults(faults, FactorFault, "raise")
+        return factors
+    placed = centred(C)
+    factors, faults = factored(placed.C, orders, placed.moved(quadratics))
+    bad = bad | report_faults(np.where(bad, 0, faults), FactorFault, degenerate)
+    return [_masked(h, bad) for h in placed.outward(factors)]
+
+
+def _masked(h: DualQuaternion, rows: np.ndarray) -> DualQuaternion:
+    return DualQuaternion(np.where(rows[..., None, None], np.nan, h.coeffs)) if rows.any() else h
+
+
+class Centred(NamedTuple):
+    """A motion polynomial in u = (t − centre) / unit, in which its roots are about zero and of size about one."""
+
+    C: MotionPolynomial
+    centre: np.ndarray
+    unit: np.ndarray
+
+    def moved(self, quadratics: np.ndarray | None) -> np.ndarray | None:
+        """Quadratic polynomials in t as such in u."""
+        if quadratics is None:
+            return None
+        _, b, c = np.moveaxis(as_float(quadratics), -1, 0)
+        centre, unit = self.centre[..., None], self.unit[..., None]
+        return np.stack(
+            [np.ones(np.shape(b + centre)), (2 * centre + b) / unit, (centre**2 + b * centre + c) / unit**2], axis=-1
+        )
+
+    def outward(self, factors) -> list[DualQuaternion]:
+        """Linear factors in u as such in t."""
+        return [h * self.unit[..., None] + self.centre[..., None] for h in factors]
+
+
+def centred(C: MotionPolynomial) -> Centred:
+    """A monic polynomial in floats, in the parameter that suits its roots."""
+    n = C.degree
+    coefficients = [DualQuaternion(as_float(c.coeffs)) for c in C.coefficients]
+    with np.errstate(all="ignore"):
+        centre = -coefficients[1].scalar_part / n
+        coefficients = shifted(coefficients, centre)
+        mean = null_form(coefficients[-1], coefficients[-1]) ** (0.5 / n)
+        unit = _power_of_two(mean)
+        coefficients = [coefficients[0], *(c * unit**-m for m, c in enumerate(coefficients[1:], start=1))]
+        return Centred(MotionPolynomial.from_coefficients(coefficients), np.asarray(centre), unit)
+
+
+def factored(C: MotionPolynomial, orders, quadratics: np.ndarray | None = None) -> tuple[list[DualQuaternion], Array]:
+    """The factors of a monic polynomial for several orders, on the last axis, and the fault of each row.
+
+    In floats the roots should be about zero and of size about one, see :func:`centred`.
+    """
+    exact = all(is_exact(c.components) for c in C.coefficients)
+    real = np.zeros(C.shape, dtype=bool)
+    if quadratics is None and exact:
+        quadratics = quadratic_factors(C.norm_polynomial())
+    elif quadratics is None:
+        quadratics, real = split_motion(C)
+    with np.errstate(all="ignore"):
+        factors, least = divided_off(C, quadratics, orders)
+        missing = residual([c[..., None] for c in C.coefficients], factors)
+        if not exact:
+            factors, missing = _repaired(C, factors, missing)
+    unsplit = ~(missing <= (0 if exact else PRODUCT_RTOL))
+    no_inverse = unsplit & (least <= (0 if exact else NO_INVERSE))
+    faults = first_fault(
+        (real, FactorFault.REAL_ROOT),
+        (no_inverse.any(axis=-1), FactorFault.REAL_FACTOR),
+        (unsplit.any(axis=-1), FactorFault.UNSPLIT),
+    )
+    return factors, faults
+
+
+def split_motion(C: MotionPolynomial) -> tuple[np.ndarray, np.ndarray]:
+    """The quadratic factors of C C̄ in floats, and where there are real roots.
+
+    The roots are improved by Newton's method for ⟨C(t), C(t)⟩ = 0, which cancels less than the expanded polynomial.
+    """
+    with np.errstate(all="ignore"):
+        roots = eigenvalue_roots(as_float(C.norm_polynomial()))
+        value, slope = _value_and_slope(C, roots)
+        roots = _stepped(roots, (value * value).sum(axis=0) / (2 * (value * slope).sum(axis=0)))
+        return quadratics_with(in_order(roots)), (roots.imag <= 0).any(axis=-1)
+
+
+def _value_and_slope(C: MotionPolynomial, t: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """The primal parts of C and of its derivative, components first, at several parameters of each row."""
+    coefficients = [
+        c.components[:4].reshape(4, *(1,) * (t.ndim - c.components.ndim), *c.shape, 1) for c in C.coefficients
+    ]
+    value, slope = coefficients[0] + 0 * t, 0 * t
+    for c in coefficients[1:]:
+        slope = slope * t + value
+        value = value * t + c
+    return value, slope
 
 
 def factor_in_orders(C: MotionPolynomial, quadratics: np.ndarray, orders) -> list[DualQuaternion]:
     """The factors h_1, …, h_n for several orders at once, each of shape (..., len(orders)), unchecked."""
+    factors, least = divided_off(C, quadratics, orders)
+    report_faults((np.asarray(least) == 0).any(axis=-1) * FactorFault.REAL_FACTOR, FactorFault, "raise")
+    return factors
+
+
+def divided_off(C: MotionPolynomial, quadratics: np.ndarray, orders) -> tuple[list[DualQuaternion], np.ndarray]:
+    """The factors for several orders, divided off from the right, and how far the least remainder is from zero."""
     rest = [c[..., None] for c in C.coefficients]
-    factors = []
+    factors, least = [], np.full(len(orders), np.inf)
     for place in range(C.degree - 1, 0, -1):
         numbers = [order[place] for order in orders]
-        h = _right_root(rest, quadratics[..., numbers, :])
-        rest = _divide_off(rest, h)
+        h, size = _right_root(rest, quadratics[..., numbers, :])
+        rest, least = _divide_off(rest, h), np.minimum(least, size)
         factors.insert(0, h)
-    return [-rest[1] * np.ones(len(orders), dtype=int), *factors]
+    return [-rest[1] * np.ones(len(orders), dtype=int), *factors], least
 
 
-def _right_root(coefficients, M: np.ndarray) -> DualQuaternion:
+def _right_root(coefficients, M: np.ndarray) -> tuple[DualQuaternion, np.ndarray]:
     """The h for which t − h divides the polynomial from the right and (t − h)(t − h̄) = M.
 
-    The remainder modulo M is r1 t + r0, and h = −r1⁻¹ r0.
+    The remainder modulo M is r1 t + r0, and h = −r1⁻¹ r0.  The second number is how large r1 is in this, at most 1.
     """
     _, (r1, r0) = divide_by_quadratic(coefficients, M)
-    try:
-        return -(r1.inverse() * r0)
-    except ZeroDivisionError:
-        raise DegenerateError("a remainder is not invertible: the motion has a translation among its factors") from None
+    square = null_form(r1, r1)
+    none = np.asarray(is_zero(square, rtol=0))
+    if none.any():
+        r1 = r1 + np.where(none, 1, 0)
+    h = -(r1.inverse() * r0)
+    if is_exact(h.components):
+        return h, np.where(none, 0.0, 1.0)
+    return h, np.where(none, 0.0, np.sqrt(square / (1 + square + null_form(r0, r0))))
 
 
 def divide_by_quadratic(coefficients, M: np.ndarray) -> tuple[list, list]:
@@ -292,21 +529,59 @@ def _divide_off(coefficients, h: DualQuaternion) -> list[DualQuaternion]:
     return quotient
 
 
-def product_of(factors) -> list[DualQuaternion]:
+def product_of(factors: Sequence[DualQuaternion]) -> list[DualQuaternion]:
     """The coefficients of (t − h_1) ⋯ (t − h_n)."""
     product = [DualQuaternion([1] + [0] * 7)]
     for h in factors:
-        product = multiply(product, [DualQuaternion([1] + [0] * 7), -h])
+        last = [-h] if len(product) == 1 else [-(product[-1] * h)]
+        product = [product[0], *(c - b * h if n else c - h for n, (b, c) in enumerate(pairwise(product))), *last]
     return product
 
 
-def check_factors(C: MotionPolynomial, factors) -> None:
-    """Refuse factors whose product is not C."""
-    for c, d in zip(C.coefficients, product_of(factors), strict=True):
-        difference = (c[..., None] - d).coeffs
-        scale = max(size(c.coeffs), size(factors[-1].coeffs), 1.0)
-        if not np.all(is_zero(difference, scale, rtol=1e-5)):
-            raise DegenerateError("the polynomial has no factorization with its quadratic factors in this order")
+def residual(coefficients, factors) -> np.ndarray:
+    """How far the product of factors is from a polynomial, relative to the numbers that are added; 0 or ∞ if exact.
+
+    Each coefficient is compared with that of Π(t + |h|), dual parts with the longest dual part besides.
+    """
+    differences = [c - d for c, d in zip(coefficients[1:], product_of(factors)[1:], strict=True)]
+    if all(is_exact(d.components) for d in differences):
+        equal = np.all([np.all(is_zero(d.components), axis=0) for d in differences], axis=0)
+        return np.where(equal, 0.0, np.inf)
+    primal = [np.sqrt((h.components[:4] ** 2).sum(axis=0)) for h in factors]
+    dual = reduce(np.maximum, [np.abs(h.components[4:]).max(axis=0) / r for h, r in zip(factors, primal, strict=True)])
+    bounds = [1.0]
+    for r in primal:
+        bounds = [1.0, *(a + b * r for a, b in zip([*bounds[1:], 0.0], bounds, strict=True))]
+    return reduce(
+        np.maximum,
+        [
+            np.maximum(np.abs(d.components[:4]).max(axis=0), np.abs(d.components[4:]).max(axis=0) / (1 + dual)) / bound
+            for d, bound in zip(differences, bounds[1:], strict=True)
+        ],
+    )
+
+
+def _repaired(C: MotionPolynomial, factors, missing: np.ndarray) -> tuple[list[DualQuaternion], np.ndarray]:
+    """Better factors where the product misses C by more than rounding, and by how much it still does."""
+    poor = (missing > POLISH_RTOL) & (missing < 1)
+    if not poor.any():
+        return factors, missing
+    wide = [DualQuaternion(np.broadcast_to(c.coeffs[..., None, :], (*missing.shape, 8))) for c in C.coefficients]
+    part = MotionPolynomial.from_coefficients(c[poor] for c in wide)
+    better = polished(part, [h[poor] for h in factors], steps=2)
+    off = residual(part.coefficients, better)
+    gain = off < missing[poor]
+    rows = tuple(axis[gain] for axis in np.nonzero(poor))
+    missing = missing.copy()
+    missing[rows] = off[gain]
+    return [with_rows(h, rows, new[gain]) for h, new in zip(factors, better, strict=True)], missing
+
+
+def with_rows(q: DualQuaternion, rows, new: DualQuaternion) -> DualQuaternion:
+    """The same dual quaternions but for some rows of the batch."""
+    components = q.components.copy()
+    components[(slice(None), *rows)] = new.components
+    return DualQuaternion.from_components(components)
 
 
 def polished(C: MotionPolynomial, factors, steps: int = 3) -> list[DualQuaternion]:
@@ -322,6 +597,29 @@ def polished(C: MotionPolynomial, factors, steps: int = 3) -> list[DualQuaternio
             shape = right.shape[:-2]
             right = right.reshape(*shape, 8 * n, 1)
             moves = DualQuaternion(solved(_derivative(factors, shape), right).reshape(*shape, n, 8))
+            factors = [h + moves[..., j] for j, h in enumerate(factors)]
+    return factors
+
+
+def polished_at(t: Sequence | Array, values: Sequence[DualQuaternion], factors, steps: int = 2) -> list[DualQuaternion]:
+    """Factors whose product is nearer to given values at n parameters: Newton's method as in :func:`polished`.
+
+    Where the values are of very different sizes these digits do not drown in the coefficients of the polynomial.
+    """
+    n, factors = len(factors), list(factors)
+    sizes = [np.sqrt(null_form(v, v)) for v in values]
+    with np.errstate(all="ignore"):
+        for _ in range(steps):
+            turns = [[s - h for h in factors] for s in t]
+            missing = [(reduce(mul, x) - v) / size for x, v, size in zip(turns, values, sizes, strict=True)]
+            right = DualQuaternion.stack(missing, axis=-1).coeffs
+            matrix = np.zeros((*right.shape[:-2], n, 8, n, 8))
+            for row, (x, size) in enumerate(zip(turns, sizes, strict=True)):
+                for j in range(n):
+                    before, after = reduce(mul, x[:j], one), reduce(mul, x[j + 1 :], one)
+                    matrix[..., row, :, j, :] = _two_sided(before / size, after)
+            matrix = matrix.reshape(*right.shape[:-2], 8 * n, 8 * n)
+            moves = DualQuaternion(solved(matrix, right.reshape(*right.shape[:-2], 8 * n, 1)).reshape(right.shape))
             factors = [h + moves[..., j] for j, h in enumerate(factors)]
     return factors
 
@@ -353,6 +651,26 @@ def _two_sided(left: DualQuaternion, right: DualQuaternion) -> np.ndarray:
     return np.swapaxes(images.coeffs, -1, -2)
 
 
+def exchange(factors: Sequence[DualQuaternion], n: int) -> tuple[DualQuaternion, ...]:
+    """The same product with the quadratic polynomials of the neighbours n and n + 1 (counted from 0) exchanged.
+
+    Examples
+    --------
+    >>> h1, h2, h3 = i, 2 * j - 2 * eps * i, 3 * k
+    >>> exchange((h1, h2, h3), 0) == (*bennett_flip(h1, h2), h3)
+    True
+    """
+    if not 0 <= index(n) < len(factors) - 1:
+        raise ValueError(f"expected neighbours among {len(factors)} factors: n = 0, …, {len(factors) - 2}, got {n}")
+    return (*factors[:n], *bennett_flip(factors[n], factors[n + 1]), *factors[n + 2 :])
+
+
+class ExchangeFault(Fault):
+    """Why two factors cannot be exchanged."""
+
+    CONJUGATE = 1, "the two factors have conjugate primal parts: they cannot be exchanged"
+
+
 def bennett_flip(h1: DualQuaternion, h2: DualQuaternion) -> tuple[DualQuaternion, DualQuaternion]:
     """The k1, k2 with (t − h1)(t − h2) = (t − k1)(t − k2) and the quadratic polynomials exchanged.
 
@@ -370,8 +688,6 @@ def bennett_flip(h1: DualQuaternion, h2: DualQuaternion) -> tuple[DualQuaternion
     (True, True)
     """
     v = h1.conjugate() - h2
-    try:
-        k2 = v.inverse() * h1 * v
-    except ZeroDivisionError:
-        raise DegenerateError("the two factors have conjugate primal parts: they cannot be exchanged") from None
+    report_faults(np.asarray(is_zero(null_form(v, v), rtol=0)) * ExchangeFault.CONJUGATE, ExchangeFault, "raise")
+    k2 = v.inverse() * h1 * v
     return h1 + h2 - k2, k2

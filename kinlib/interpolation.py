@@ -2,22 +2,40 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Sequence
+from functools import reduce
 from itertools import combinations
+from typing import Any
 
 import numpy as np
 
-from kinlib.dual_quaternion import DualQuaternion, null_form, study_form
-from kinlib.errors import DegenerateError, report_faults
+from kinlib.cubics import CubicFault, families_of, no_displacement, rounding, rounding_of_form
+from kinlib.dual_quaternion import DualQuaternion, one, study_form
+from kinlib.errors import Fault, first_fault, report_faults
 from kinlib.motion_polynomial import MotionPolynomial
-from kinlib.number_field import square_root
-from kinlib.poses import as_pose
-from kinlib.projective import same_point
-from kinlib.scalar import divide, is_zero, size
+from kinlib.poses import PoseProblem, as_poses, gap, seen_together
+from kinlib.scalar import divide, is_exact, is_zero
+from kinlib.typing import Array, ArrayLike, Degenerate, PoseLike, ScalarLike
 
-__all__ = ["conic_through", "cubics_through", "fourth_parameters"]
+__all__ = ["Families", "conic_through", "cubics_through", "fourth_parameters"]
+
+CUBIC_MET = 1e-6
+"""How near a cubic must pass the poses: where parameters nearly agree, coefficients in powers of t lose digits."""
 
 
-def conic_through(p0, p1, p2) -> MotionPolynomial:
+class ConicFault(Fault):
+    """Why no conic passes through three poses."""
+
+    EQUAL = 1, "two of the three poses are equal: three different poses are needed"
+    TANGENT = (
+        2,
+        "two of the three poses differ by a rotation or a translation: their plane is tangent to the Study quadric, "
+        "no conic passes through the poses",
+    )
+    LOST = 3, "the conic misses a pose in floats: two of the poses nearly differ by a rotation or a translation"
+
+
+def conic_through(p0: PoseLike, p1: PoseLike, p2: PoseLike, *, degenerate: Degenerate = "raise") -> MotionPolynomial:
     """The quadratic motion with pose p0 at t = ∞, p1 at t = 0 and p2 at t = 1.
 
     With b_jk = b(p_j, p_k) it is C = p0 t(t − 1) − (b_02/b_12)(t − 1) p1 + (b_01/b_12) t p2.
@@ -26,6 +44,8 @@ def conic_through(p0, p1, p2) -> MotionPolynomial:
     ----------
     p0, p1, p2 : DualQuaternion, 4×4 matrix or RigidTransform
         Poses; batches broadcast.
+    degenerate : {"raise", "nan"}
+        What becomes of rows of a batch that have no conic: an error that names them, or NaN.
 
     Raises
     ------
@@ -38,18 +58,35 @@ def conic_through(p0, p1, p2) -> MotionPolynomial:
     >>> C.degree, bool(C.is_motion())
     (2, True)
     """
-    p0, p1, p2 = (as_pose(p) for p in (p0, p1, p2))
-    equal = same_point(p0, p1) | same_point(p0, p2) | same_point(p1, p2)
-    faults = np.where(equal, 1, 2 * is_tangent(p0, p1, p2))
-    report_faults(faults, CONIC_FAULTS, "raise")
-    return conic(p0, p1, p2)
+    poses = as_poses(p0, p1, p2, degenerate=degenerate)
+    if all(is_exact(p.components) for p in poses):
+        steps = [q * p.conjugate() for p, q in combinations(poses, 2)]
+        report_faults(_conic_faults(steps, [0, 0, 0], 0), ConicFault, "raise")
+        return conic(*poses)
+    problem = seen_together(*poses, degenerate=degenerate)
+    with np.errstate(all="ignore"):
+        C = conic(one.astype(float), *problem.others)
+        missed = reduce(np.maximum, [gap(C(t), q) for t, q in zip((0.0, 1.0), problem.others, strict=True)])
+        faults = _conic_faults(
+            problem.steps, [rounding_of_form(step, problem.noise) for step in problem.steps], rounding(problem)
+        )
+    faults = np.where((faults == 0) & ~(missed <= CUBIC_MET), ConicFault.LOST, faults)
+    return _outward(problem, C, report_faults(faults, ConicFault, degenerate))
 
 
-CONIC_FAULTS = (
-    "two of the three poses are equal: three different poses are needed",
-    "two of the three poses differ by a rotation: their plane is tangent to the Study quadric, no conic passes "
-    "through the poses",
-)
+def _conic_faults(steps: Sequence[DualQuaternion], limits: Sequence, tolerance: Any) -> np.ndarray:
+    """What is wrong with three poses, given the displacements between them; 0 if nothing."""
+    zero = [np.asarray(is_zero(step.components[4], limit, 1.0)) for step, limit in zip(steps, limits, strict=True)]
+    equal = [z & no_displacement(step, tolerance) if z.any() else z for z, step in zip(zero, steps, strict=True)]
+    return first_fault((np.any(equal, axis=0), ConicFault.EQUAL), (np.any(zero, axis=0), ConicFault.TANGENT))
+
+
+def _outward(problem: PoseProblem, C: MotionPolynomial, bad: Array) -> MotionPolynomial:
+    """A motion that was found about the middle, in the frame and unit of the poses; NaN in the bad rows."""
+    coefficients = [problem.outward(c) * problem.home for c in C.coefficients]
+    if np.any(bad):
+        coefficients = [DualQuaternion(np.where(bad[..., None], np.nan, c.coeffs)) for c in coefficients]
+    return MotionPolynomial.from_coefficients(coefficients)
 
 
 def conic(p0: DualQuaternion, p1: DualQuaternion, p2: DualQuaternion) -> MotionPolynomial:
@@ -59,131 +96,99 @@ def conic(p0: DualQuaternion, p1: DualQuaternion, p2: DualQuaternion) -> MotionP
     return MotionPolynomial.from_coefficients((p0, q2 - q1 - p0, q1))
 
 
-def is_tangent(p0: DualQuaternion, p1: DualQuaternion, p2: DualQuaternion) -> np.ndarray:
-    """Where the plane of three poses is tangent to the Study quadric: two of them are conjugate."""
-    sizes = [(size(p.components[:4], 0), size(p.components[4:], 0)) for p in (p0, p1, p2)]
-    pairs = zip(combinations((p0, p1, p2), 2), combinations(sizes, 2), strict=True)
-    return np.any([is_zero(study_form(x, y), a * d + b * c, 1e-14) for (x, y), ((a, b), (c, d)) in pairs], axis=0)
+class Families(tuple):
+    """What was found in the families of cubics through four poses: a tuple that says what is missing.
+
+    Attributes
+    ----------
+    parameters : tuple
+        For each family that is there the parameter values of the four poses, (∞, 0, 1, t3).
+    missing : tuple of str
+        What is wrong with a family that is not there (or, in a batch, not in all rows); empty if nothing is missing.
+
+    Examples
+    --------
+    >>> from kinlib.gallery import FOUR_POSES
+    >>> cubics = cubics_through(*FOUR_POSES, -1)
+    >>> len(cubics), [str(t3) for *_, t3 in cubics.parameters], cubics.missing
+    (2, ['4/3', '-1'], ())
+    """
+
+    parameters: tuple
+    missing: tuple[str, ...]
+
+    def __new__(cls, items: Iterable = (), parameters: tuple = (), missing: tuple[str, ...] = ()):
+        self = super().__new__(cls, items)
+        self.parameters, self.missing = parameters, missing
+        return self
+
+    def __getnewargs__(self):
+        return tuple(self), self.parameters, self.missing
+
+    def __repr__(self) -> str:
+        return super().__repr__() + "".join(f"\nmissing: {text}" for text in self.missing)
 
 
-def cubics_through(p0, p1, p2, p3, free=0) -> tuple[MotionPolynomial, ...]:
+def cubics_through(
+    p0: PoseLike,
+    p1: PoseLike,
+    p2: PoseLike,
+    p3: PoseLike,
+    free: ScalarLike | ArrayLike = 0,
+    *,
+    degenerate: Degenerate = "raise",
+) -> Families:
     """The cubic motions of both families through four poses, for one value of the free parameter.
 
     A cubic has p0 at t = ∞, p1 at 0, p2 at 1 and p3 at a value t_3; the Study condition asks
     z t_3² + (x − y − z) t_3 + y = 0 with x = b_01 b_23, y = b_02 b_13, z = b_03 b_12.  Its discriminant is the
-    Gram determinant of the four poses, so both families are real or neither is.
+    Gram determinant of the four poses, so both families are real or neither is.  The family with the larger |t_3|
+    comes first.
 
     Parameters
     ----------
     p0, p1, p2, p3 : DualQuaternion, 4×4 matrix or RigidTransform
-    free : scalar
-        The position in the family, without unit.  The cubic is C = p0 Π(t − t_j) + Σ λ_j p_j Π_{m≠j}(t − t_m)
-        with λ = μ + free · r · κ, where κ spans the kernel of the Study condition, μ is the solution with the
-        smallest Σ λ_j² p_j p̄_j, and r makes the cubic independent of the factors of the poses.  Where some λ_j
-        vanishes pose j is missed.
+        Poses; batches broadcast.
+    free : scalar or array_like
+        The position in the family, without unit; broadcasts with the poses.  The cubic is
+        C = p0 Π(t − t_j) + Σ λ_j p_j Π_{m≠j}(t − t_m) with λ = μ + (free + base) · r · κ, where κ spans the kernel of
+        the Study condition, μ is the solution with the smallest Σ λ_j² p_j p̄_j, and r = b_0j / (b_jk b_jl) for the
+        first pose j with which rκ is neither small nor large (less than 10⁻³, more than 10³ of C), else the number
+        that makes it as large as C.  The base is 0, unless the cubic there all but misses a pose: then it is the
+        first of 1, −1, 2, −2 where it does not.  So neither frames nor the unit of length nor the factors of the
+        poses matter.
+    degenerate : {"raise", "nan"}
+        What becomes of rows of a batch without a cubic.  An error names them; with NaN both families are returned
+        in any case, and NaN stands where there is none.
 
     Returns
     -------
-    tuple of MotionPolynomial
-        One for each real family: two, or one in the limiting cases.
+    Families of MotionPolynomial
+        One for each real family: two, or one in the limiting cases and where free is bad for the other; then
+        ``.missing`` says why.  ``.parameters`` are the parameters of the poses.
 
     Raises
     ------
     DegenerateError
-        If no family is real, the poses are not in general position, or the cubic misses a pose.
+        If no family is real, the poses are not in general position, or the cubics miss a pose.
     """
-    poses = [as_pose(p) for p in (p0, p1, p2, p3)]
-    cubics = [_cubic(poses, t3, free) for t3 in fourth_parameters(*poses)]
-    return tuple(cubics)
+    families = families_of(p0, p1, p2, p3, free, degenerate)
+    cubics = families.rows.cubics()
+    if not families.problem.is_exact:
+        with np.errstate(all="ignore"):
+            wide = MotionPolynomial.from_coefficients(c[:, None] for c in cubics.coefficients)
+            missed = families.rows.missed(wide(families.rows.parameters))
+        families = families.less(np.where(missed <= CUBIC_MET, 0, CubicFault.LOST), missed)
+    kept, missing = families.judged(degenerate)
+    outward = [families.outward(c) for c in cubics.coefficients]
+    home = families.problem.home
+    found = [MotionPolynomial.from_coefficients(families.spread(c, n) * home for c in outward) for n in kept]
+    return Families(found, tuple(families.parameters(n) for n in kept), missing)
 
 
-def fourth_parameters(p0, p1, p2, p3) -> tuple:
+def fourth_parameters(p0: PoseLike, p1: PoseLike, p2: PoseLike, p3: PoseLike) -> tuple:
     """The parameter values t_3 of the fourth pose in the real families, when the others are at ∞, 0, 1."""
-    x = study_form(p0, p1) * study_form(p2, p3)
-    y = study_form(p0, p2) * study_form(p1, p3)
-    z = study_form(p0, p3) * study_form(p1, p2)
-    scale = size([x, y, z])
-    if scale == 0:
-        raise DegenerateError("each two of the four poses differ by a rotation: their span lies in the Study quadric")
-    discriminant = (x - y - z) ** 2 - 4 * y * z
-    if discriminant < 0:
-        raise DegenerateError(
-            f"neither family is real: the Gram determinant of the four poses is negative, {float(discriminant):.3g}"
-        )
-    root = square_root(discriminant)
-    roots = _quadratic_roots(z, x - y - z, y, root, scale)
-    usable = [t for t in roots if not (is_zero(t, rtol=1e-12) or is_zero(t - 1, rtol=1e-12))]
-    if not usable:
-        raise DegenerateError("the fourth pose falls on another one in both families: two poses differ by a rotation")
-    return tuple(usable)
-
-
-def _quadratic_roots(a, b, c, root, scale) -> list:
-    """The finite roots of at² + bt + c, with the given root of the discriminant, without cancellation."""
-    larger = -b - root if b > 0 else -b + root
-    if is_zero(larger, scale, rtol=1e-14):
-        return []
-    if is_zero(a, scale, rtol=1e-14):
-        return [divide(2 * c, larger)]
-    first, second = divide(larger, 2 * a), divide(2 * c, larger)
-    return [first] if is_zero(root, scale, rtol=1e-14) else [first, second]
-
-
-def _cubic(poses: list[DualQuaternion], t3, free) -> MotionPolynomial:
-    p0, *others = poses
-    t = (0, 1, t3)
-    b = [study_form(p0, p) for p in others]
-    mutual = [study_form(x, y) for x, y in combinations(others, 2)]
-    A12, A13, A23 = (divide(x, t[m] - t[n]) for x, (m, n) in zip(mutual, combinations(range(3), 2), strict=True))
-    weights = [null_form(p, p) for p in others]
-    kernel = [A23, -A13, A12]
-    scales = _weights(kernel, b, weights, free * _unit_of_freedom(b, mutual))
-    for number, (scale, weight) in enumerate(zip(scales, weights, strict=True), start=1):
-        if is_zero(scale, size(scales) * size(weight), rtol=1e-12):
-            raise DegenerateError(f"for this value of the free parameter the cubic misses pose {number}")
-    return _lagrange(p0, [p * s for p, s in zip(others, scales, strict=True)], t)
-
-
-def _unit_of_freedom(b, mutual):
-    """A factor b_0j / (b_jk b_jl) for κ: with it the cubic does not depend on the factors of the poses.
-
-    It is taken for the first pose j with which it is defined and not zero.
-    """
-    b12, b13, b23 = mutual
-    for x, y, z in ((b[0], b12, b13), (b[1], b12, b23), (b[2], b13, b23)):
-        if not any(is_zero(value, rtol=0) for value in (x, y, z)):
-            return divide(x, y * z)
-    raise DegenerateError("too many of the four poses differ by rotations: the free parameter has no unit")
-
-
-def _weights(kernel, b, weights, ratio) -> list:
-    """λ = μ + ratio · κ with Aλ = −b for the skew matrix A with the kernel κ.
-
-    With A = [[0, A12, A13], [−A12, 0, A23], [−A13, −A23, 0]] one has Aλ = −κ × λ for κ = (A23, −A13, A12).  So
-    κ × λ = b; the λ with smallest Σ w_j λ_j² is the one with Σ w_j κ_j λ_j = 0, that is
-    λ = b × (wκ) / (κ · wκ).
-    """
-    weighted = [w * x for w, x in zip(weights, kernel, strict=True)]
-    total = sum(x * y for x, y in zip(kernel, weighted, strict=True))
-    if is_zero(total, rtol=0):
-        raise DegenerateError("the last three poses differ by rotations about concurrent or coplanar axes")
-    special = [
-        divide(b[(n + 1) % 3] * weighted[(n + 2) % 3] - b[(n + 2) % 3] * weighted[(n + 1) % 3], total) for n in range(3)
-    ]
-    return [s + ratio * x for s, x in zip(special, kernel, strict=True)]
-
-
-def _lagrange(p0: DualQuaternion, scaled: list[DualQuaternion], t) -> MotionPolynomial:
-    """p0 Π(t − t_j) + Σ q_j Π_{m≠j}(t − t_m) for three nodes."""
-    total = _cubic_with_roots(t)
-    coefficients = [p0 * c for c in total]
-    for j, q in enumerate(scaled):
-        a, b = (t[m] for m in range(3) if m != j)
-        for n, c in enumerate((1, -(a + b), a * b), start=1):
-            coefficients[n] = coefficients[n] + q * c
-    return MotionPolynomial.from_coefficients(coefficients)
-
-
-def _cubic_with_roots(t) -> tuple:
-    a, b, c = t
-    return 1, -(a + b + c), a * b + b * c + c * a, -a * b * c
+    families = families_of(p0, p1, p2, p3, 0)
+    families = families.less(0, np.nan)
+    kept, _ = families.judged("raise")
+    return tuple(families.parameters(n)[3] for n in kept)

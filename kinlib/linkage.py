@@ -129,7 +129,7 @@ class Linkage:
     def coupler_motion(self) -> MotionPolynomial:
         """The motion of the coupler's frame, which visits the given poses."""
         first = self.factors[: sum(self.joints[: self.coupler])]
-        return MotionPolynomial.from_coefficients(c * self.home for c in product_of(first))
+        return MotionPolynomial.from_factors(first, self.home)
 
     def coupler_curve(self, point) -> RationalCurve:
         """The path of a point, shape (3,), of the coupler's frame."""

@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import reduce
 
 import numpy as np
 
 from kinlib.dual_quaternion import DualQuaternion, null_form, one, study_form
-from kinlib.errors import DegenerateError
-from kinlib.scalar import RTOL, as_scalars, divide, is_infinite, is_zero, promote, size
+from kinlib.errors import Fault, named_rows, report_faults
+from kinlib.poses import ULPS
+from kinlib.scalar import RTOL, as_scalars, divide, is_exact, is_infinite, is_zero, promote, size
+from kinlib.typing import Array, ArrayLike, Degenerate, PointLike, ScalarLike
 
 __all__ = ["MotionPolynomial", "RationalCurve", "evaluate", "linear_factor", "multiply"]
 
@@ -24,7 +27,7 @@ class RationalCurve:
         Highest power first.
     """
 
-    coeffs: np.ndarray
+    coeffs: Array
 
     def __post_init__(self):
         coeffs = as_scalars(self.coeffs)
@@ -38,7 +41,27 @@ class RationalCurve:
         """The formal degree m of the coordinates."""
         return self.coeffs.shape[-2] - 1
 
-    def __call__(self, t) -> np.ndarray:
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """The shape of the batch."""
+        return self.coeffs.shape[:-2]
+
+    def __len__(self) -> int:
+        if not self.shape:
+            raise TypeError("a single curve has no length; its coefficients are in .coeffs")
+        return self.shape[0]
+
+    def __getitem__(self, index) -> RationalCurve:
+        """Entries of the batch."""
+        if not self.shape:
+            raise TypeError("a single curve has no entries; its coefficients are in .coeffs")
+        index = index if isinstance(index, tuple) else (index,)
+        return RationalCurve(self.coeffs[(*index, Ellipsis, slice(None), slice(None))])
+
+    def __iter__(self) -> Iterator[RationalCurve]:
+        return (self[n] for n in range(len(self)))
+
+    def __call__(self, t: ScalarLike | ArrayLike) -> np.ndarray:
         """The points at parameter values t, shape (..., 3); t broadcasts against the batch."""
         coeffs, t = promote(self.coeffs, as_scalars(t))
         rows = [coeffs[..., n, :] for n in range(self.degree + 1)]
@@ -63,22 +86,59 @@ class MotionPolynomial:
     True
     """
 
-    __slots__ = ("_coefficients",)
+    __slots__ = ("_coefficients", "_columns", "_factors")
+    _coefficients: tuple[DualQuaternion, ...]
+    _columns: tuple[Array, ...] | None
+    _factors: tuple[tuple[DualQuaternion, ...], DualQuaternion] | None
     __hash__ = None
     __array_ufunc__ = None
 
-    def __init__(self, coeffs):
+    def __init__(self, coeffs: ArrayLike):
         array = as_scalars(coeffs)
         if array.ndim < 2 or array.shape[-1] != 8 or array.shape[-2] == 0:
             raise ValueError(f"expected coefficients of shape (..., n+1, 8), got {array.shape}")
-        self._coefficients = tuple(DualQuaternion(array[..., n, :]) for n in range(array.shape[-2]))
+        self._keep(DualQuaternion(array[..., n, :]) for n in range(array.shape[-2]))
 
     @classmethod
-    def from_coefficients(cls, coefficients) -> MotionPolynomial:
+    def from_coefficients(cls, coefficients: Iterable[DualQuaternion]) -> MotionPolynomial:
         """The polynomial with these dual quaternions as coefficients, highest power first."""
         self = object.__new__(cls)
-        self._coefficients = tuple(coefficients)
+        self._keep(coefficients)
         return self
+
+    @classmethod
+    def from_factors(cls, factors: Sequence[DualQuaternion], last: DualQuaternion = one) -> MotionPolynomial:
+        """The polynomial (t − h_1) ⋯ (t − h_n) c with the given h_1, …, h_n and the constant c.
+
+        In floats its values are computed as this product: where it nearly vanishes, its coefficients lose digits.
+
+        Examples
+        --------
+        >>> MotionPolynomial.from_factors([i, j - eps * i])
+        t^2 + (-i - j + εi) t + k + ε
+        """
+        factors, unit = tuple(factors), one
+        coefficients = reduce(multiply, [[unit, -h] for h in factors], [unit])
+        self = cls.from_coefficients(c * last for c in coefficients)
+        if factors and not any(is_exact(h.components) for h in factors):
+            object.__setattr__(self, "_factors", (factors, last))
+        return self
+
+    def _keep(self, coefficients: Iterable[DualQuaternion]) -> None:
+        object.__setattr__(self, "_coefficients", tuple(coefficients))
+        object.__setattr__(self, "_columns", None)
+        object.__setattr__(self, "_factors", None)
+
+    def __setattr__(self, name: str, value) -> None:
+        raise AttributeError(f"a motion polynomial does not change: {name} cannot be set")
+
+    def __delattr__(self, name: str) -> None:
+        raise AttributeError(f"a motion polynomial does not change: {name} cannot be deleted")
+
+    def __reduce__(self):
+        if self._factors is not None:
+            return MotionPolynomial.from_factors, self._factors
+        return MotionPolynomial.from_coefficients, (self.coefficients,)
 
     @property
     def coefficients(self) -> tuple[DualQuaternion, ...]:
@@ -105,18 +165,35 @@ class MotionPolynomial:
         """The coefficient of the highest power: the pose at t = ∞."""
         return self.coefficients[0]
 
-    def __call__(self, t) -> DualQuaternion:
+    def __call__(self, t: ScalarLike | ArrayLike) -> DualQuaternion:
         """The pose at t.
 
         Parameters
         ----------
         t : scalar or array_like
-            Broadcasts against the batch; ``math.inf`` gives the leading coefficient.
+            Broadcasts against the batch; ``math.inf`` gives the leading coefficient, and a float t whose powers
+            are too large for floats gives C(t)/tⁿ, which is the same pose.
         """
+        if self._factors is not None:
+            return self._product_at(t)
         if np.ndim(t) == 0 or self.shape:
             first, *others = self.coefficients
             return evaluate((first + others[0] * 0, *others) if others else (first,), t)
-        return DualQuaternion.from_components(_evaluate(self.coefficients, t))
+        if self._columns is None:
+            object.__setattr__(self, "_columns", promote(*(c.components for c in self.coefficients)))
+        return DualQuaternion.from_components(_evaluate(self._columns, t))
+
+    def _product_at(self, t: ScalarLike | ArrayLike) -> DualQuaternion:
+        """The value at t from the factors; from the coefficients where powers of t are too large."""
+        factors, last = self._factors
+        t = as_scalars(t)
+        finite = t if t.dtype.kind not in "fc" else np.where(np.abs(t) > _too_large(self.degree), 1.0, t)
+        product = reduce(lambda q, h: q * (finite[()] - h), factors[1:], finite[()] - factors[0]) * last
+        if finite is t or np.all(finite == t):
+            return product
+        far = evaluate(self.coefficients, t)
+        large = np.broadcast_to(finite != t, product.shape)
+        return DualQuaternion(np.where(large[..., None], far.coeffs, product.coeffs))
 
     def conjugate(self) -> MotionPolynomial:
         """C̄, with conjugate coefficients: the inverse motion."""
@@ -130,12 +207,20 @@ class MotionPolynomial:
         """The dual part of C C̄, shape (..., 2n+1); it vanishes for a motion."""
         return _convolve(study_form, self.coefficients)
 
-    def is_motion(self, *, rtol: float = RTOL):
-        """Whether C C̄ is real and not zero, so that every C(t) is a point of the Study quadric."""
+    def is_motion(self, *, rtol: float = RTOL) -> bool | Array:
+        """Whether C C̄ is real and not zero, so that every C(t) is a point of the Study quadric.
+
+        Floats are judged by the size of the numbers that are added, and dual parts that may be the rounding of
+        primal parts count as zero.
+        """
+        zero = np.all(is_zero(self.norm_polynomial(), rtol=0), axis=-1)
+        return (self._is_on_quadric(rtol) & ~zero)[()]
+
+    def _is_on_quadric(self, rtol: float) -> Array:
         coeffs = self.coeffs
-        scale = size(coeffs[..., :4], (-1, -2)) * size(coeffs[..., 4:], (-1, -2))
-        on_quadric = np.all(is_zero(self.study_polynomial(), np.expand_dims(scale, -1), rtol), axis=-1)
-        return (on_quadric & ~np.all(is_zero(self.norm_polynomial(), rtol=0), axis=-1))[()]
+        primal, dual = size(coeffs[..., :4], (-1, -2)), size(coeffs[..., 4:], (-1, -2))
+        bound = np.expand_dims(rtol * primal * dual + ULPS * primal * primal, -1)
+        return np.all(is_zero(self.study_polynomial(), bound, 1.0), axis=-1)
 
     def __add__(self, other) -> MotionPolynomial:
         longer, shorter = self.coefficients, _polynomial(other).coefficients
@@ -197,6 +282,14 @@ class MotionPolynomial:
         equal = self == other
         return ~equal if isinstance(equal, np.ndarray) else not equal
 
+    def __len__(self) -> int:
+        if not self.shape:
+            raise TypeError("a single motion polynomial has no length; its coefficients are in .coefficients")
+        return self.shape[0]
+
+    def __iter__(self) -> Iterator[MotionPolynomial]:
+        return (self[n] for n in range(len(self)))
+
     def __getitem__(self, index) -> MotionPolynomial:
         """Entries of the batch."""
         if not self.shape:
@@ -210,7 +303,7 @@ class MotionPolynomial:
         terms = [_term(c, self.degree - n) for n, c in enumerate(self.coefficients) if c != 0]
         return " + ".join(terms).replace("+ -", "- ") or "0"
 
-    def trajectory(self, point) -> RationalCurve:
+    def trajectory(self, point: PointLike) -> RationalCurve:
         """The path of a point, shape (3,), of the moving frame: a rational curve of degree at most 2n.
 
         By equation (1) its coordinates are p p̄ and the vector part of p x p̄ + d p̄ − p d̄.
@@ -287,38 +380,63 @@ def _convolve(form, items) -> np.ndarray:
     return np.stack(np.broadcast_arrays(*sums), axis=-1)
 
 
-def evaluate(coefficients, t) -> DualQuaternion:
+def evaluate(coefficients: Sequence[DualQuaternion], t: ScalarLike | ArrayLike) -> DualQuaternion:
     """Horner's rule for coefficients of any kind; at infinity the leading one.  t broadcasts with the batch."""
-    infinite = np.isinf(t) if np.asarray(t).dtype.kind in "fc" else is_infinite(t)
-    if np.ndim(t) == 0 and infinite:
-        return coefficients[0]
-    if not np.any(infinite):
-        return reduce(lambda total, c: total * t + c, coefficients)
-    finite = np.where(infinite, 0.0, t)
-    value = reduce(lambda total, c: total * finite + c, coefficients)
-    return value * np.where(infinite, 0.0, 1.0) + coefficients[0] * np.where(infinite, 1.0, 0.0)
+    if np.asarray(t).dtype.kind in "fc":
+        large = np.abs(t) > _too_large(len(coefficients) - 1)
+        return _evaluate_far_away(coefficients, t, large) if np.any(large) else _horner(coefficients, t)
+    infinite = is_infinite(t)
+    return coefficients[0] if infinite else _horner(coefficients, t)
 
 
-def _evaluate(coefficients, t) -> np.ndarray:
+def _too_large(degree: int) -> float:
+    """From where on powers of t are too large for floats."""
+    return 1e300 ** (1 / max(degree, 1))
+
+
+def _horner(coefficients, t):
+    return reduce(lambda total, c: total * t + c, coefficients)
+
+
+def _evaluate_far_away(coefficients, t, large):
+    """C(t), or C(t)/tⁿ where the powers of t are too large: then it is a polynomial in 1/t."""
+    if np.ndim(t) == 0:
+        return coefficients[0] if np.isinf(t) else _horner(coefficients[::-1], 1 / t)
+    near = _horner(coefficients, np.where(large, 0.0, t))
+    far = _horner(coefficients[::-1], 1 / np.where(large, t, 1.0))
+    return near * np.where(large, 0.0, 1.0) + far * np.where(large, 1.0, 0.0)
+
+
+def _evaluate(columns: Sequence[np.ndarray], t) -> np.ndarray:
     """One polynomial at an array of parameters, as the product of its coefficients, components first, and powers."""
-    columns = np.array([c.components for c in coefficients]).T
-    columns, t = promote(columns, as_scalars(t))
-    powers = np.empty((len(coefficients), t.size), dtype=t.dtype)
+    matrix = np.array(columns).T
+    matrix, t = promote(matrix, as_scalars(t))
+    powers = np.empty((len(columns), t.size), dtype=t.dtype)
     powers[-1] = 1
-    finite = t.ravel()
-    infinite = np.isinf(finite) if t.dtype.kind in "fc" else np.zeros(t.size, dtype=bool)
-    if infinite.any():
-        finite = np.where(infinite, 0, finite)
-    for n in range(len(coefficients) - 2, -1, -1):
-        np.multiply(powers[n + 1], finite, out=powers[n])
-    if infinite.any():
-        powers[:, infinite] = np.eye(len(coefficients))[:, :1]
-    return (columns @ powers).reshape(8, *t.shape)
+    flat = t.ravel()
+    with np.errstate(over="ignore", invalid="ignore"):
+        for n in range(len(columns) - 2, -1, -1):
+            np.multiply(powers[n + 1], flat, out=powers[n])
+    if t.dtype.kind in "fc" and not np.isfinite(powers[0]).all():
+        large = ~np.isfinite(powers[0])
+        for n in range(len(columns)):
+            powers[n, large] = (1 / flat[large]) ** n
+    return (matrix @ powers).reshape(8, *t.shape)
 
 
-def check_monic(C: MotionPolynomial) -> None:
-    """Refuse a motion polynomial that does not start at the identity."""
-    if not np.all(is_zero((C.leading - 1).coeffs, rtol=RTOL)):
-        raise ValueError("expected a monic polynomial (the identity at t = ∞): factor C * C.leading.inverse()")
-    if not np.all(C.is_motion()):
-        raise DegenerateError("C C̄ is not a real polynomial: the curve leaves the Study quadric")
+class MotionFault(Fault):
+    """Why a polynomial is no motion."""
+
+    OFF_QUADRIC = 1, "C C̄ is not a real polynomial: the curve leaves the Study quadric"
+
+
+def check_monic(C: MotionPolynomial, degenerate: Degenerate = "raise") -> np.ndarray:
+    """Refuse what is no motion polynomial that starts at the identity; or tell which rows are none."""
+    if not isinstance(C, MotionPolynomial):
+        raise TypeError(f"expected a MotionPolynomial, got {C!r}")
+    monic = np.all(is_zero((C.leading - 1).coeffs, rtol=RTOL), axis=-1)
+    undefined = np.isnan(size(C.leading.coeffs, -1)) if degenerate == "nan" else False
+    if not np.all(monic | undefined):
+        rows = named_rows(np.flatnonzero(~monic & ~undefined) if np.ndim(monic) else ())
+        raise ValueError(f"{rows}expected a monic polynomial (the identity at t = ∞): factor C * C.leading.inverse()")
+    return report_faults(~np.asarray(C._is_on_quadric(RTOL)) * MotionFault.OFF_QUADRIC, MotionFault, degenerate)

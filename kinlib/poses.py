@@ -65,7 +65,8 @@ def as_poses(*given, rtol: float = RTOL, degenerate: str = "raise") -> list[Dual
     check_degenerate(degenerate)
     points = [_point(x, rtol) for x in given]
     with np.errstate(invalid="ignore", divide="ignore", over="ignore"):
-        length = reduce(np.maximum, [np.nan_to_num(_lever(q)) for q in points])
+        exact = all(is_exact(q.components) for q in points)
+        length = 0 if exact else reduce(np.maximum, [np.nan_to_num(_lever(q)) for q in points])
         return [
             _checked(q, length, rtol, f"pose {n}: " if len(given) > 1 else "", degenerate) for n, q in enumerate(points)
         ]

@@ -8,6 +8,7 @@ from bench.table import HEADINGS, ROWS, as_text, table
 YARDSTICKS = [
     "copying both operands",
     "eigvals of 4×4 matrices",
+    "eigvals of 6×6 matrices",
     "import numpy",
     "one matrix product",
     "products, batch",
@@ -23,6 +24,7 @@ WORK = [
     "three poses, z → eight 5R, batch",
     "cubic → six factorizations, one",
     "four poses → all 6R, one",
+    "four poses → all 6R, batch",
     "motion at 1000 parameters",
     "import kinlib",
     "memory for eight 5R, batch",

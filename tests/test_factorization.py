@@ -21,6 +21,7 @@ from kinlib import (
     bennett_flip,
     conic_through,
     eps,
+    exchange,
     factorizations,
     factorize,
     i,
@@ -397,7 +398,119 @@ def test_quadratics_of_another_polynomial_are_refused():
         factorize(product([h1, h2]), (0, 1), [[1, 0, 2], [1, 0, 3]])
 
 
+REAL_FACTORS = {
+    "three turns about parallel axes": [k, k + eps * i, -k],
+    "a turn and a real quadratic": [k, i, -i],
+    "a circular translation": [k, -k + eps * i],
+}
+
+
+@pytest.mark.parametrize("name", REAL_FACTORS)
+@pytest.mark.parametrize("scalars", [1, 1.0])
+def test_a_real_factor_of_the_primal_part_is_named(name, scalars):
+    """These are all turns: it is not a translation that hinders."""
+    C = scalars * product(REAL_FACTORS[name])
+    with pytest.raises(DegenerateError, match=r"the primal part has a real factor|no factorization"):
+        factorizations(C)
+    if scalars == 1:
+        with pytest.raises(DegenerateError, match=r"^the primal part has a real factor"):
+            factorizations(C)
+
+
+@pytest.mark.parametrize("centre", [100.0, -1000.0])
+def test_factorizations_of_motions_whose_roots_lie_far_from_zero(centre):
+    """Coefficients of size 100³ have lost ten digits; the rest must not be lost as well."""
+    for seed in range(40):
+        C = product([random_turn(10 * seed + n) + centre for n in range(3)])
+        for factors in factorizations(C):
+            difference = product(factors).coeffs - C.coeffs
+            assert np.abs(difference).max() < 1e-12 * np.abs(C.coeffs).max()
+    again = factorizations(product([h + centre for h in (1.0 * h1, 1.0 * h2, 1.0 * h3)]))
+    for factors, expected in zip(again, factorizations(product([1.0 * h1, 1.0 * h2, 1.0 * h3])), strict=True):
+        for h, g in zip(factors, expected, strict=True):
+            assert (h - centre).coeffs == pytest.approx(g.coeffs, abs=1e-15 * abs(centre) ** 3)
+
+
+def test_spherical_motions_about_a_point_up_to_rounding():
+    """All axes pass through one point; dual parts about it are rounding."""
+    for seed in range(30):
+        random = np.random.default_rng(seed)
+        g = translation(random.normal(size=3))
+        turns = [DualQuaternion([*random.normal(size=4), 0, 0, 0, 0]) for _ in range(3)]
+        C = g.inverse() * product([g * h * g.inverse() for h in turns]) * g
+        assert C.is_motion()
+        for factors in factorizations(C):
+            assert product(factors).coeffs == pytest.approx(C.coeffs, abs=1e-9)
+
+
+def test_the_order_does_not_flip_with_rounding():
+    """Equal real parts are sorted by the imaginary ones, exactly and in floats, single and in a batch."""
+    exact = factorizations(product([i, 2 * j - 2 * eps * i, 3 * k]))
+    random = np.random.default_rng(0)
+    C = product([1.0 * i, 2.0 * j - 2 * eps * i, 3.0 * k])
+    polynomials = C.norm_polynomial() + 1e-14 * random.normal(size=(50, 7))
+    assert quadratic_factors(polynomials) == pytest.approx(
+        np.broadcast_to([[1, 0, 1], [1, 0, 4], [1, 0, 9]], (50, 3, 3))
+    )
+    for factors, expected in zip(factorizations(C), exact, strict=True):
+        assert all(
+            h.coeffs == pytest.approx(g.coeffs.astype(float), abs=1e-12) for h, g in zip(factors, expected, strict=True)
+        )
+
+
+def test_rows_without_factorizations_are_named_or_nan():
+    rows = [product([h1, h2]).coeffs, product([i, eps * j]).coeffs, product([k, -k + eps * i]).coeffs]
+    C = MotionPolynomial(np.array(rows).astype(float))
+    with pytest.raises(DegenerateError, match=r"^rows 1, 2: the polynomial has a real root.*real factor") as caught:
+        factorizations(C)
+    assert caught.value.rows == (1, 2)
+    for factors in factorizations(C, degenerate="nan"):
+        assert all(np.isnan(h.coeffs).any(axis=-1).tolist() == [False, True, True] for h in factors)
+        assert (factors[0] * factors[1])[0].coeffs == pytest.approx((h1 * h2).coeffs.astype(float))
+
+
+@pytest.mark.parametrize("order", [(1.0, 0.0), None, 5, "ab"])
+def test_an_order_is_made_of_whole_numbers(order):
+    with pytest.raises(TypeError, match="expected an order"):
+        factorize(product([h1, h2]), order)
+
+
+@pytest.mark.parametrize("quadratics", [[[1, 0, 1]], [1, 0, 1], [[1, 0], [1, 0]]])
+def test_there_are_as_many_quadratics_as_factors(quadratics):
+    with pytest.raises(ValueError, match=r"expected quadratics of shape \(\.\.\., 2, 3\), got"):
+        factorize(product([h1, h2]), (0, 1), quadratics)
+
+
+@pytest.mark.parametrize("C", [None, [1, 2], h1])
+def test_only_motion_polynomials_are_factored(C):
+    for call in (lambda: factorizations(C), lambda: factorize(C, (0,))):
+        with pytest.raises(TypeError, match="expected a MotionPolynomial"):
+            call()
+
+
 # Bennett flips
+
+
+@given(rotations(), rotations(), rotations(), st.integers(0, 1))
+def test_neighbours_are_exchanged(g, h, r, n):
+    factors = (g, h, r)
+    assume((factors[n].conjugate() - factors[n + 1]).primal != 0)
+    exchanged = exchange(factors, n)
+    assert product(exchanged) == product(factors)
+    assert exchanged[2 - 2 * n] == factors[2 - 2 * n]
+    assert quadratic_of(exchanged[n]).tolist() == quadratic_of(factors[n + 1]).tolist()
+
+
+@pytest.mark.parametrize("n", [-1, 1, 2])
+def test_only_neighbours_are_exchanged(n):
+    with pytest.raises(ValueError, match="expected neighbours"):
+        exchange((h1, h2), n)
+
+
+def test_rows_that_cannot_be_exchanged_are_named():
+    with pytest.raises(DegenerateError, match=r"^row 1: the two factors have conjugate") as caught:
+        bennett_flip(DualQuaternion.stack([i, i]), DualQuaternion.stack([j, -i]))
+    assert caught.value.rows == (1,)
 
 
 @given(rotations(), rotations())

@@ -273,30 +273,200 @@ def test_a_change_of_frame_changes_the_cubics():
     assert [g * C == D for C, D in zip(cubics_through(*FOUR_POSES, 1), moved, strict=True)] == [True, True]
 
 
-def test_a_cubic_that_misses_a_pose_is_refused():
-    """At one value of the free parameter the weight of a pose vanishes."""
-    C, D = (cubics_through(*FOUR_POSES, free)[0] for free in (1, 2))
-    first, second = C(0).coeffs, D(0).coeffs
+def value_that_misses(poses, family, pose=1):
+    """The value of the free parameter for which the weight of a pose vanishes: the weights are affine in it."""
+    t = cubics_through(*poses, 1).parameters[family][pose]
+    first, second = (cubics_through(*poses, free)[family](t).coeffs for free in (1, 2))
     n = next(n for n in range(8) if first[n] != second[n])
-    free = 1 - Fraction(first[n]) / (second[n] - first[n])
-    with pytest.raises(DegenerateError, match="misses pose 1"):
-        cubics_through(*FOUR_POSES, free)
+    return 1 - Fraction(first[n]) / (second[n] - first[n])
+
+
+@pytest.mark.parametrize("pose", [1, 2, 3])
+@pytest.mark.parametrize("family", [0, 1])
+def test_of_a_family_that_misses_a_pose_the_other_is_left_and_this_one_named(family, pose):
+    free = value_that_misses(FOUR_POSES, family, pose)
+    for four in (FOUR_POSES, [1.0 * p for p in FOUR_POSES]):
+        cubics = cubics_through(*four, free)
+        assert len(cubics) == len(cubics.parameters) == 1
+        assert visits(cubics[0], cubics.parameters[0], four)
+        assert cubics.missing == (
+            f"{('first', 'second')[family]} family: for this value of the free parameter the cubic misses pose {pose}",
+        )
+        assert cubics.missing[0] in repr(cubics)
+
+
+def test_values_of_the_free_parameter_in_a_batch():
+    """A sweep over one problem; a row without one of the families is named, or NaN."""
+    floats = [1.0 * p for p in FOUR_POSES]
+    sweep = np.array([0.0, -160 / 201, 2.0])
+    with pytest.raises(DegenerateError, match=r"row 1: first family: .* misses pose 2") as caught:
+        cubics_through(*floats, sweep)
+    assert caught.value.rows == (1,)
+    first, second = cubics_through(*floats, sweep, degenerate="nan")
+    assert np.isnan(first.coeffs).any(axis=(-1, -2)).tolist() == [False, True, False]
+    for n, free in enumerate(sweep):
+        singles = cubics_through(*floats, free)
+        assert second[n].coeffs == pytest.approx(singles[-1].coeffs)
+
+
+@pytest.mark.parametrize("factor", [Fraction(1, 10000), 10**5, -1])
+@pytest.mark.parametrize("pose", [0, 1, 2, 3])
+def test_representatives_do_not_decide_whether_a_pose_is_missed(factor, pose):
+    for four in (list(FOUR_POSES), [1.0 * p for p in FOUR_POSES]):
+        four[pose] = four[pose] * (factor if four[pose].coeffs.dtype == object else float(factor))
+        assert len(cubics_through(*four)) == 2
+        assert cubics_through(*four, Fraction(-160, 201)).missing == (
+            "first family: for this value of the free parameter the cubic misses pose 2",
+        )
 
 
 @pytest.mark.parametrize(
     ("poses", "message"),
     [
-        ((one, 1 - i, 1 - j, 1 - k), "differ by a rotation"),
-        ((one, one, *skew), "differ by a rotation"),
-        ((one, *skew, skew[0]), "differ by a rotation"),
-        ((one, eps, *skew), "exceptional three-space"),
-        ((one, 1 + eps, *skew), "expected a point of the Study quadric"),
-        ((one, 1 + i * math.nan, *skew), "expected finite"),
+        ((one, 1 - i, 1 - j, 1 - k), "each two of the four poses differ by a rotation or a translation: their span"),
+        ((one, one, *skew), "two of the four poses are equal.*: poses 0 and 1 are equal$"),
+        ((one, *skew, 2 * skew[0]), "two of the four poses are equal.*: poses 1 and 3 are equal$"),
+        ((one, eps, *skew), "pose 1: .*exceptional three-space"),
+        ((one, 1 + eps, *skew), "pose 1: expected a point of the Study quadric"),
+        ((one, 1 + i * math.nan, *skew), "pose 1: expected finite"),
+        (
+            (translation([1, 2, 3]) * (2 + i - k), 1 + i, 1 + j, 1 + k),
+            "each two of three of the poses differ .*: poses 1 and 2 differ by a rotation, poses 1 and 3 differ by a "
+            "rotation, poses 2 and 3 differ by a rotation$",
+        ),
+        (
+            (one, 1 + i, 2 + j - eps * i, translation([1, 3, 2])),
+            "one pose differs from all others .* which is not built: poses 0 and 1 differ by a rotation, "
+            "poses 0 and 2 differ by a rotation, poses 0 and 3 differ by a translation$",
+        ),
+        (
+            (one, 1 + i, 2 + j - eps * i, skew[1]),
+            "falls on pose 2 .*falls on pose 1",
+        ),
+        ((*THREE_POSES, conic_through(*THREE_POSES)(3)), "the four poses are dependent"),
     ],
 )
 def test_four_poses_in_special_position(poses, message):
-    with pytest.raises(ValueError, match=message):
-        cubics_through(*poses)
+    for four in (poses, [1.0 * p for p in poses]):
+        with pytest.raises(ValueError, match=message):
+            cubics_through(*four)
+
+
+@given(poses(), poses(), poses(), fractions)
+def test_a_fourth_pose_on_the_conic_of_the_others_is_named(p0, p1, p2, t):
+    assume(regular(p0, p1, p2) and t not in (0, 1))
+    with pytest.raises(DegenerateError, match="dependent"):
+        cubics_through(p0, p1, p2, conic_through(p0, p1, p2)(t))
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_coplanar_poses_in_floats_are_named(seed):
+    """Their Gram determinant vanishes; rounding decides its sign, and must not decide the message."""
+    three = random_poses(3, seed=seed)
+    with pytest.raises(DegenerateError, match="dependent"):
+        cubics_through(*three, conic_through(*three)(0.3 + seed))
+
+
+def two_pairs():
+    """Poses 0, 1 and poses 2, 3 differ by rotations."""
+    p2 = translation([1, -1, 2]) * (1 + 2 * j)
+    return one, 1 + 2 * i, p2, p2 * (3 + j - eps * i)
+
+
+def test_two_pairs_that_differ_by_rotations_have_one_family():
+    floats = [1.0 * p for p in two_pairs()]
+    for four in (two_pairs(), floats):
+        cubics = cubics_through(*four)
+        assert len(cubics) == 1
+        assert cubics[0].is_motion()
+        assert visits(cubics[0], cubics.parameters[0], four)
+        assert cubics.missing == (
+            "second family: the fourth pose falls on pose 2 (t3 = 1): poses 0 and 1 differ by a rotation, "
+            "poses 2 and 3 differ by a rotation",
+        )
+    for free in (0, 1, -3):
+        exact, rounded = cubics_through(*two_pairs(), free), cubics_through(*floats, free)
+        assert rounded[0].coeffs == pytest.approx(exact[0].coeffs.astype(float))
+
+
+@pytest.mark.parametrize("free", [math.nan, math.inf, 1j, [0.0, math.nan]])
+def test_the_free_parameter_is_real_and_finite(free):
+    with pytest.raises(ValueError, match="expected real and finite values of the free parameter"):
+        cubics_through(*FOUR_POSES, free)
+
+
+@pytest.mark.parametrize("free", [None, "a", [1, None], i])
+def test_the_free_parameter_is_a_number(free):
+    with pytest.raises(TypeError, match="expected"):
+        cubics_through(*FOUR_POSES, free)
+
+
+@pytest.mark.parametrize("pose", [None, [1, 0, 0, 0, 0, 0, 0, 0], 1.0])
+def test_a_pose_is_a_pose(pose):
+    with pytest.raises(TypeError, match="expected a pose"):
+        cubics_through(*FOUR_POSES[:3], pose)
+
+
+def test_a_batch_of_cubics_is_the_cubics_of_its_rows():
+    four = random_poses(4, seed=8, shape=(30,))
+    both = cubics_through(*four, 0.3, degenerate="nan")
+    unreal = np.array([gram_sign([p[n] for p in four]) < 0 for n in range(30)])
+    assert 0 < unreal.sum() < 30
+    for C, parameters in zip(both, both.parameters, strict=True):
+        assert (np.isnan(C.coeffs).any(axis=(-1, -2)) == unreal).all()
+        assert (np.isnan(parameters[3]) == unreal).all()
+    for n in np.flatnonzero(~unreal):
+        singles = cubics_through(*(p[n] for p in four), 0.3)
+        for C, single in zip(both, singles, strict=True):
+            assert C[n].coeffs == pytest.approx(single.coeffs, rel=1e-9)
+    with pytest.raises(DegenerateError, match="neither family is real") as caught:
+        cubics_through(*four)
+    assert caught.value.rows == tuple(np.flatnonzero(unreal))
+
+
+def test_batches_of_poses_and_values_are_broadcast():
+    four = random_poses(4, seed=8, shape=(3, 1, 2))
+    C, _ = cubics_through(FOUR_POSES[0].astype(float), *four[1:], np.linspace(0, 1, 5)[:, None], degenerate="nan")
+    assert C.shape == (3, 5, 2)
+    exact = cubics_through(*FOUR_POSES, [0, 1, 2])
+    assert [C.shape for C in exact] == [(3,), (3,)]
+    assert exact[0][2].coeffs.tolist() == cubics_through(*FOUR_POSES, 2)[0].coeffs.tolist()
+    empty = [DualQuaternion(np.zeros((0, 8)))] * 4
+    assert [C.shape for C in cubics_through(*empty, degenerate="nan")] == [(0,), (0,)]
+
+
+@pytest.mark.parametrize("distance", [1e3, 1e6])
+def test_cubics_far_from_the_origin(distance):
+    """The same cubics, moved, up to the rounding of the poses."""
+    g = translation(distance * np.array([1.0, 2.0, -1.0]))
+    four = [1.0 * p for p in FOUR_POSES]
+    for C, D in zip(cubics_through(*four, 1), cubics_through(*(g * p for p in four), 1), strict=True):
+        assert (g.inverse() * D).coeffs == pytest.approx(C.coeffs, abs=1e-14 * distance)
+
+
+@pytest.mark.parametrize("side", ["fixed", "moving"])
+def test_frames_do_not_change_what_the_free_parameter_means(side):
+    g = translation([1.0, -2.0, 0.5]) * (1 + 0.3 * i - 0.7 * k)
+    for seed in (1, 2, 5):
+        four = random_poses(4, seed=seed)
+        if gram_sign(four) < 0:
+            continue
+        moved = [g * p if side == "fixed" else p * g for p in four]
+        for C, D in zip(cubics_through(*four, 0.7), cubics_through(*moved, 0.7), strict=True):
+            expected = g * C if side == "fixed" else C * g
+            assert D.same_motion(expected, rtol=1e-8)
+
+
+def test_the_order_of_the_families_does_not_depend_on_representatives():
+    for seed in range(10):
+        four = random_poses(4, seed=seed)
+        if gram_sign(four) < 0:
+            continue
+        first, second = (t[3] for t in cubics_through(*four).parameters)
+        assert abs(first) >= abs(second)
+        for n in range(4):
+            other = [p * (-2.0 if m == n else 1.0) for m, p in enumerate(four)]
+            assert [t[3] for t in cubics_through(*other).parameters] == pytest.approx([first, second])
 
 
 def test_motions_of_three_turns_are_found_again():

@@ -28,6 +28,7 @@ ORDER = [
     "poses",
     "motion_polynomial",
     "factorization",
+    "cubics",
     "interpolation",
     "dyad",
     "linkage",

@@ -1,6 +1,7 @@
 """Motion polynomials: SymPy's polynomials and the values at all t as second sources."""
 
 import math
+import pickle
 from fractions import Fraction
 from operator import add, mul, sub
 
@@ -195,6 +196,51 @@ def test_large_whole_parameters_do_not_overflow(s):
     assert (curve([s, 1])[0] == curve(s)).all()
 
 
+@pytest.mark.parametrize("s", [1e150, -1e200, 1e308])
+def test_parameters_whose_powers_are_too_large(s):
+    """The pose is that of C(s)/sⁿ."""
+    D = 1.0 * C
+    assert same_point(D(s), one + (-i - j + eps * i) / s)
+    assert same_point(D(np.array([s, 2.0]))[0], one)
+    assert D(np.array([s, 2.0]))[1] == D(2.0)
+    batch = MotionPolynomial(np.stack([D.coeffs, D.coeffs]))
+    assert same_point(batch(np.array([s, 2.0]))[0], one)
+
+
+@given(motions(3), fractions)
+def test_a_polynomial_from_factors(D, s):
+    factors = [i, j - eps * i, 2 + k]
+    product = MotionPolynomial.from_factors(factors, D(s))
+    assert product == linear_factor(i) * linear_factor(j - eps * i) * linear_factor(2 + k) * D(s)
+
+
+def test_values_from_factors_keep_the_digits_that_coefficients_lose():
+    near, exact = 1 + 1e-9 * i, 1 + Fraction(1, 10**9) * i
+    D = MotionPolynomial.from_factors([near, 1 + 1e-9 * j, 1.0 * k])
+    E = MotionPolynomial.from_factors([exact, 1 + Fraction(1, 10**9) * j, k])
+    t = np.array([1 + 2.0**-30, 0.5, 1e200, math.inf])
+    wanted = E(Fraction(1) + Fraction(1, 2**30)).coeffs.astype(float)
+    for value in (D(t)[0], D(float(t[0])), pickle.loads(pickle.dumps(D))(t)[0]):
+        assert value.coeffs == pytest.approx(wanted, rel=1e-6, abs=1e-25)
+    assert D(t)[3] == D(math.inf) == 1
+    assert same_point(D(t)[2], one)
+    batch = MotionPolynomial.from_factors([DualQuaternion.stack([near, 1.0 * j]), 1.0 * k])
+    assert batch(0.5)[1] == (0.5 - j) * (0.5 - k)
+    assert batch(np.array([0.5, math.inf]))[1] == 1
+
+
+def test_batches_have_a_length_and_entries():
+    batch = linear_factor(DualQuaternion.stack([i, j])) * linear_factor(k)
+    assert len(batch) == 2
+    assert [single == batch[n] for n, single in enumerate(batch)] == [True, True]
+    curves = batch.trajectory([1, 0, 0])
+    assert (len(curves), curves.shape) == (2, (2,))
+    assert [(curve(2) == curves(2)[n]).all() for n, curve in enumerate(curves)] == [True, True]
+    for single in (C, C.trajectory([1, 0, 0])):
+        with pytest.raises(TypeError, match="no length"):
+            len(single)
+
+
 def test_a_batch_of_polynomials():
     factors = DualQuaternion(np.random.default_rng(0).normal(size=(4, 8)))
     batch = linear_factor(factors) * linear_factor(i)
@@ -246,6 +292,15 @@ def test_products_of_turns_are_motions(C):
 def test_what_is_no_motion(D):
     assert not D.is_motion()
     assert not (1.0 * D).is_motion()
+
+
+def test_turns_about_axes_through_the_origin_are_motions_up_to_rounding():
+    """Dual parts that are rounding are not judged by their own size."""
+    random = np.random.default_rng(1)
+    for _ in range(200):
+        g = translation(random.normal(size=3))
+        h1, h2 = (DualQuaternion([*random.normal(size=4), 0, 0, 0, 0]) for _ in range(2))
+        assert (g.inverse() * (g * linear_factor(h1) * linear_factor(h2) * g.inverse()) * g).is_motion()
 
 
 @pytest.mark.parametrize("length", [1e-6, 1.0, 1e6])
@@ -301,8 +356,12 @@ def test_values_do_not_change():
     for array in (D.coeffs, D.leading.coeffs, C.trajectory([1, 0, 0]).coeffs):
         with pytest.raises(ValueError, match="read-only"):
             array[0] = 7
-    with pytest.raises(AttributeError):
-        D.coefficients = ()
+    for name in ("coefficients", "_coefficients", "other"):
+        with pytest.raises(AttributeError):
+            setattr(D, name, ())
+    with pytest.raises(AttributeError, match="does not change"):
+        del D._coefficients
+    assert pickle.loads(pickle.dumps(D)) == D
     with pytest.raises(TypeError, match="unhashable"):
         hash(D)
 

@@ -14,11 +14,17 @@ from kinlib import (
     ADMISSIBLE_PAIRS,
     DegenerateError,
     Dyad,
+    Line,
     Linkage,
     as_matrix,
     cubics_through,
+    eps,
     factorizations,
+    i,
+    j,
+    k,
     one,
+    rotation,
     same_point,
     six_r_linkages,
     study_form,
@@ -169,22 +175,157 @@ def test_the_free_parameter_moves_the_linkage_along_its_family():
     assert not np.all(same_point(first.axes, second.axes))
 
 
-def test_a_cubic_that_misses_a_pose_is_refused():
-    """Each weight vanishes for one value of the free parameter: it is affine in it, so two values tell where."""
-    poses = FLOATS
-    t3 = six_r_linkages(*poses)[0].parameters[3]
+def test_of_a_family_that_misses_a_pose_the_other_is_left():
+    """At free = −160/201 the cubic of the first family misses pose 2, whatever the factor of that pose."""
+    for factor in (1.0, 1e-4, 1e5):
+        poses = [FLOATS[0], FLOATS[1], FLOATS[2] * factor, FLOATS[3]]
+        linkages = six_r_linkages(*poses, -160 / 201)
+        assert len(linkages) == 9
+        assert linkages.missing == ("first family: for this value of the free parameter the cubic misses pose 2",)
+        assert linkages.parameters == (linkages[0].parameters,)
+        assert linkages[0].parameters[3] == pytest.approx(-1)
+        for linkage in linkages:
+            assert_visits(linkage, *poses)
 
-    def weights(free):
-        cubic = cubics_through(*poses, free)[0]
-        return [
-            float(np.dot(cubic(t).coeffs, p.coeffs) / np.dot(p.coeffs, p.coeffs))
-            for t, p in zip((0, 1, t3), poses[1:], strict=True)
-        ]
 
-    at_0, at_1 = weights(0.0), weights(1.0)
-    for number, (a, b) in enumerate(zip(at_0, at_1, strict=True), start=1):
-        with pytest.raises(DegenerateError, match=f"misses pose {number}"):
-            six_r_linkages(*poses, a / (a - b))
+# --- batches --------------------------------------------------------------------------------------------------------
+
+
+def test_a_batch_of_linkages_is_the_linkages_of_its_rows():
+    poses = random_poses(4, seed=3, shape=(40,))
+    unreal = np.array([gram_determinant([p[n] for p in poses]) < 0 for n in range(40)])
+    assert 0 < unreal.sum() < 40
+    batch = six_r_linkages(*poses, 0.2, degenerate="nan")
+    assert len(batch) == 18
+    for linkage in batch:
+        assert (np.isnan(linkage.axes.coeffs).any(axis=(-1, -2)) == unreal).all()
+        assert np.nanmax(pose_error(linkage, poses)) < 1e-8
+    for n in np.flatnonzero(~unreal)[:8]:
+        singles = six_r_linkages(*(p[n] for p in poses), 0.2)
+        for linkage, single in zip(batch, singles, strict=True):
+            assert linkage.axes[n].coeffs == pytest.approx(single.axes.coeffs, rel=1e-7, abs=1e-7)
+            assert linkage.parameters[3][n] == pytest.approx(single.parameters[3])
+    with pytest.raises(DegenerateError, match=r"^rows? .*neither family is real") as caught:
+        six_r_linkages(*poses)
+    assert caught.value.rows == tuple(np.flatnonzero(unreal))
+
+
+def test_a_sweep_over_the_free_parameter():
+    sweep = np.linspace(-1.05, 2, 7)
+    batch = six_r_linkages(*FLOATS, sweep)
+    assert [linkage.shape for linkage in batch] == [(7,)] * 18
+    for n in (0, 6):
+        for linkage, single in zip(batch, six_r_linkages(*FLOATS, sweep[n]), strict=True):
+            assert linkage.axes[n].coeffs == pytest.approx(single.axes.coeffs)
+    assert six_r_linkages(*FLOATS[:3], random_poses(1, seed=1, shape=(2, 1))[0], sweep, degenerate="nan")[0].shape == (
+        2,
+        7,
+    )
+
+
+def test_no_rows():
+    poses = random_poses(4, seed=3, shape=(0,))
+    assert [linkage.shape for linkage in six_r_linkages(*poses, degenerate="nan")] == [(0,)] * 18
+
+
+def test_rows_that_are_no_poses_are_named_or_nan():
+    poses = random_poses(4, seed=3, shape=(2,))
+    broken = poses[1].coeffs.copy()
+    broken[0] = np.nan
+    poses[1] = type(poses[1])(broken)
+    with pytest.raises(ValueError, match=r"row 0: pose 1: expected finite"):
+        six_r_linkages(*poses)
+    linkages = six_r_linkages(*poses, degenerate="nan")
+    assert np.isnan(linkages[0].axes.coeffs[0]).all()
+    assert linkages.missing[0].startswith("row 0: first family: a pose is not defined")
+
+
+# --- near degeneracies ----------------------------------------------------------------------------------------------
+
+
+def screw(random, angle: float, slide: float):
+    """A turn about a random line and a translation along it."""
+    line = Line.at(random.normal(size=3), random.normal(size=3))
+    return translation(slide * line.direction / np.linalg.norm(line.direction)) * rotation(line, angle)
+
+
+def nearly(kind: str, how_near: float, seed: int) -> list:
+    """Four poses of which two all but differ by a rotation or a translation."""
+    random, poses = np.random.default_rng(seed), random_poses(4, seed=seed)
+    if kind == "p0, p1 a rotation":
+        poses[1] = screw(random, 1.3, how_near) * poses[0]
+    elif kind == "p0, p1 a translation":
+        poses[1] = screw(random, how_near, 1.0) * poses[0]
+    elif kind == "p0, p3 a rotation":
+        poses[3] = screw(random, 1.3, how_near) * poses[0]
+    elif kind == "p2, p3 a rotation":
+        poses[3] = screw(random, 1.3, how_near) * poses[2]
+    elif kind == "p0, p1 equal":
+        poses[1] = screw(random, how_near, how_near) * poses[0]
+    elif kind == "two pairs":
+        poses[1], poses[3] = screw(random, 1.3, how_near) * poses[0], screw(random, 0.9, how_near) * poses[2]
+    return poses
+
+
+KINDS = [
+    "p0, p1 a rotation",
+    "p0, p1 a translation",
+    "p0, p3 a rotation",
+    "p2, p3 a rotation",
+    "two pairs",
+    "p0, p1 equal",
+]
+
+
+@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("how_near", [1e-2, 1e-4, 1e-6, 1e-9, 1e-11])
+def test_near_a_degeneracy_poses_are_met_or_the_family_is_named(kind, how_near):
+    """One family goes on; the other, whose t3 nears one of ∞, 0, 1, is met while floats can tell them apart."""
+    refusals = []
+    for seed in range(6):
+        poses = nearly(kind, how_near, seed)
+        try:
+            linkages = six_r_linkages(*poses)
+        except DegenerateError as error:
+            refusals.append(str(error))
+            continue
+        assert len(linkages) == 18 - 9 * len(linkages.missing)
+        for text in linkages.missing:
+            assert how_near <= 1e-4
+            assert any(word in text for word in ("nearly", "all but misses", "falls on", "two families are one"))
+        for linkage in linkages:
+            assert pose_error(linkage, poses) < 1e-8
+            assert linkage.closure_residual() < 1e-8
+        if how_near >= 1e-2:
+            assert len(linkages) == 18
+    assert kind == "p0, p1 equal" or all("neither family is real" in text for text in refusals)
+
+
+@pytest.mark.parametrize("distance", [1e3, 1e5])
+def test_far_from_the_origin_nothing_is_lost_but_the_digits_of_the_poses(distance):
+    g = translation(distance * np.array([1.0, 2.0, -1.0]))
+    poses = [g * pose for pose in FLOATS]
+    for linkage, here in zip(six_r_linkages(*poses, 0.2), six_r_linkages(*FLOATS, 0.2), strict=True):
+        assert pose_error(linkage, poses, distance) < 1e-13
+        assert (g.inverse() * linkage.axes * g).coeffs == pytest.approx(here.axes.coeffs, abs=1e-13 * distance)
+
+
+def test_a_star_of_rotations_says_what_is_not_built():
+    poses = (one, 1 + i, 2 + j - eps * i, 1 + k + eps * (3 * i - j))
+    with pytest.raises(DegenerateError, match=r"one pose differs from all others .* is not built: poses 0 and 1"):
+        six_r_linkages(*(1.0 * pose for pose in poses))
+
+
+@pytest.mark.parametrize("free", [0, 1, -0.5])
+def test_two_pairs_that_differ_by_rotations_are_joined_by_nine_linkages(free):
+    p2 = translation([1, -1, 2]) * (1 + 2 * j)
+    poses = [1.0 * pose for pose in (one, 1 + 2 * i, p2, p2 * (3 + j - eps * i))]
+    linkages = six_r_linkages(*poses, free)
+    assert len(linkages) == 9
+    assert linkages.missing[0].startswith("second family: the fourth pose falls on pose 2")
+    for linkage in linkages:
+        assert_visits(linkage, *poses)
+        assert_closes(linkage)
 
 
 # --- exact, frames, input ------------------------------------------------------------------------------------------

@@ -95,7 +95,7 @@ ROWS = (
         work.six_factorizations,
         "biquaternion-py",
         slow(peers.biquaternion_factorizations),
-        seconds=4e-3,
+        seconds=1.5e-3,
     ),
     Row(
         "cubic → six factorizations, one",
@@ -103,7 +103,8 @@ ROWS = (
         "rational-linkages",
         slow(peers.rational_two_factorizations),
     ),
-    Row("four poses → all 6R, one", work.six_r, "rational-linkages", slow(peers.rational_six_r), seconds=20e-3),
+    Row("four poses → all 6R, one", work.six_r, "rational-linkages", slow(peers.rational_six_r), seconds=5e-3),
+    Row("four poses → all 6R, batch", work.six_r_batch, "eigvals of 6×6 matrices", work.larger_eigenvalues, ratio=10),
     Row(MOTION, work.motion, "one matrix product", work.matrix_product, ratio=3),
     Row(MOTION, work.motion, "rational-linkages", slow(peers.rational_motion)),
     Row("import kinlib", IMPORT, "import numpy", importing("numpy"), ratio=1.3, patience=4),

@@ -112,6 +112,21 @@ def six_r(size):
     return lambda: kl.six_r_linkages(*FLOAT_POSES)
 
 
+SIX_R = 10_000  # problems in a batch of 6R
+
+
+@timed
+def six_r_batch(size):
+    four = poses(4, min(size, SIX_R))
+    return lambda: kl.six_r_linkages(*four, degenerate="nan")
+
+
+@timed
+def larger_eigenvalues(size):
+    matrices = np.random.default_rng(3).normal(size=(min(size, SIX_R), 6, 6))
+    return lambda: np.linalg.eigvals(matrices)
+
+
 @timed
 def motion(size):
     C, t = cubic(), np.linspace(-3, 3, PARAMETERS)
