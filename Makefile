@@ -10,11 +10,12 @@ PAGE := _build/html/index.html
 export PIP_DISABLE_PIP_VERSION_CHECK := 1
 export PATH := $(abspath $(BIN)):$(PATH)
 
-.PHONY: help setup book test bench notebooks assignments grade lint clean distclean
+.PHONY: help setup book check test bench notebooks assignments grade lint clean distclean
 
 help:
 	@echo "make book       build the book and say which file to open"
-	@echo "make test       check style, build the book, then check code, notebooks and pages"
+	@echo "make check      check style and code: two minutes, for each change"
+	@echo "make test       all of that, build the book, then check notebooks and pages"
 	@echo "make bench      measure speed and print the table"
 	@echo "make notebooks  run and save every notebook (NOTEBOOK=path for one)"
 	@echo "make assignments  make the students' copies of the assignments"
@@ -49,11 +50,18 @@ lint: setup
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 
-test: lint book
-	@echo "== Testing code, notebooks and pages"
-	$(BIN)/python -m pytest -n auto --maxprocesses=4 --dist=loadscope \
+# Each worker takes what belongs together: a page that is open, a notebook's kernel, a module; see conftest.py.
+PYTEST := $(BIN)/python -m pytest -n auto --maxprocesses=4 --dist=loadgroup --no-loadscope-reorder
+
+check: lint
+	@echo "== Testing code"
+	$(PYTEST) -p no:nbval -m "not book" tests kinlib
+
+test: check book
+	@echo "== Testing notebooks and pages"
+	$(PYTEST) -m book --ignore=book/assignments/release \
 	    --nbval --nbval-current-env --nbval-cell-timeout=120 --nbval-sanitize-with=tests/nbval_sanitize.cfg \
-	    --ignore=book/assignments/release tests kinlib book
+	    tests book
 
 bench: setup
 	$(BIN)/python -m tests.bench
