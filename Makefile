@@ -10,12 +10,13 @@ PAGE := _build/html/index.html
 export PIP_DISABLE_PIP_VERSION_CHECK := 1
 export PATH := $(abspath $(BIN)):$(PATH)
 
-.PHONY: help setup book check test bench notebooks assignments grade lint clean distclean
+.PHONY: help setup book check test fuzz bench notebooks assignments grade lint clean distclean
 
 help:
 	@echo "make book       build the book and say which file to open"
 	@echo "make check      check style and code: two minutes, for each change"
 	@echo "make test       all of that, build the book, then check notebooks and pages"
+	@echo "make fuzz       try many thousands of problems (FUZZ='--triples 3000' for fewer)"
 	@echo "make bench      measure speed and print the table"
 	@echo "make notebooks  run and save every notebook (NOTEBOOK=path for one)"
 	@echo "make assignments  make the students' copies of the assignments"
@@ -62,6 +63,11 @@ test: check book
 	$(PYTEST) -m book --ignore=book/assignments/release \
 	    --nbval --nbval-current-env --nbval-cell-timeout=120 --nbval-sanitize-with=tests/nbval_sanitize.cfg \
 	    tests book
+
+FUZZ ?=
+
+fuzz: setup
+	$(BIN)/python -m tests.fuzz $(FUZZ)
 
 bench: setup
 	$(BIN)/python -m tests.bench
