@@ -10,11 +10,11 @@ PAGE := _build/html/index.html
 export PIP_DISABLE_PIP_VERSION_CHECK := 1
 export PATH := $(abspath $(BIN)):$(PATH)
 
-.PHONY: help setup book check test fuzz bench notebooks assignments grade lint clean distclean
+.PHONY: help setup book check test fuzz bench notebooks assignments grade lint types clean distclean
 
 help:
 	@echo "make book       build the book and say which file to open"
-	@echo "make check      check style and code: two minutes, for each change"
+	@echo "make check      check style, types and code: two minutes, for each change"
 	@echo "make test       all of that, build the book, then check notebooks and pages"
 	@echo "make fuzz       try many thousands of problems (FUZZ='--triples 3000' for fewer)"
 	@echo "make bench      measure speed and print the table"
@@ -51,10 +51,14 @@ lint: setup
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 
+types: setup
+	@echo "== Checking types"
+	$(BIN)/mypy
+
 # Each worker takes what belongs together: a page that is open, a notebook's kernel, a module; see conftest.py.
 PYTEST := $(BIN)/python -m pytest -n auto --maxprocesses=4 --dist=loadgroup --no-loadscope-reorder
 
-check: lint
+check: lint types
 	@echo "== Testing code"
 	$(PYTEST) -p no:nbval -m "not book" tests kinlib
 
@@ -91,7 +95,7 @@ grade: setup
 	@PYTHONPATH=book/assignments $(BIN)/python -m grader "$(SUBMISSIONS)" --out "$(OUT)" $(GRADING)
 
 clean:
-	rm -rf _build build dist kinlib.egg-info .pytest_cache .ruff_cache .hypothesis
+	rm -rf _build build dist kinlib.egg-info .mypy_cache .pytest_cache .ruff_cache .hypothesis
 	find kinlib tests book -name __pycache__ -type d -exec rm -rf {} +
 
 distclean: clean
