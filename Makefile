@@ -56,7 +56,7 @@ types: setup
 	$(BIN)/mypy
 
 # Each worker takes what belongs together: a page that is open, a notebook's kernel, a module; see conftest.py.
-PYTEST := $(BIN)/python -m pytest -n auto --maxprocesses=4 --dist=loadgroup --no-loadscope-reorder
+PYTEST := $(BIN)/python -m pytest -n auto --maxprocesses=4
 
 check: lint types
 	@echo "== Testing code"

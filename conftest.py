@@ -1,6 +1,7 @@
 """What all tests and doctests share, and the order in which they run."""
 
 import os
+import re
 
 import pytest
 
@@ -8,6 +9,7 @@ import kinlib
 
 DEAR = {"chromium", "html", "grade", "grade_as_teachers_do"}  # fixtures: a browser, the built book, a kernel
 LONG = ("book/assignments", "page ", "tests/test_scene", "tests/test_book", "tests/test_goldberg", "tests/test_six_r")
+PAGE = re.compile(r"\[(.+\.html)\]$")
 
 
 def needs_the_book(item) -> bool:
@@ -17,11 +19,10 @@ def needs_the_book(item) -> bool:
     )
 
 
-def group_of(item) -> str:
-    """What a test shares with its neighbours: an open page, a kernel, or what its module or class has made."""
-    if "look" in getattr(item, "fixturenames", ()) and hasattr(item, "callspec"):
-        return f"page {item.callspec.params['name']}"
-    return item.nodeid.rpartition("::")[0]
+def group_of(name: str) -> str:
+    """What a test shares with its neighbours: a page that is open, a kernel, or what its module or class has made."""
+    page = PAGE.search(name)
+    return f"page {page[1]}" if page else name.rpartition("::")[0]
 
 
 def rank(group: str) -> int:
@@ -29,16 +30,27 @@ def rank(group: str) -> int:
     return next((n for n, start in enumerate(LONG) if group.startswith(start)), len(LONG))
 
 
-@pytest.hookimpl(tryfirst=True)
 def pytest_collection_modifyitems(items):
-    """Keep together what shares something, also where several workers share the tests."""
-    groups = {item: group_of(item) for item in items}
-    for item, group in groups.items():
-        item.add_marker(pytest.mark.xdist_group(group))
+    """Mark what needs the book, and put each group together."""
+    for item in items:
         if needs_the_book(item):
             item.add_marker(pytest.mark.book)
-    order = {group: n for n, group in enumerate(dict.fromkeys(groups.values()))}
-    items.sort(key=lambda item: (rank(groups[item]), order[groups[item]]))
+    groups = [group_of(item.nodeid) for item in items]
+    first = {group: n for n, group in reversed(list(enumerate(groups)))}
+    items.sort(key=lambda item: (rank(group_of(item.nodeid)), first[group_of(item.nodeid)]))
+
+
+@pytest.hookimpl(optionalhook=True)
+def pytest_xdist_make_scheduler(config, log):
+    """Several workers share the groups, in this order; none is divided."""
+    from xdist.scheduler import LoadScopeScheduling
+
+    class Groups(LoadScopeScheduling):
+        def _split_scope(self, nodeid: str) -> str:
+            return group_of(nodeid)
+
+    config.option.loadscopereorder = False
+    return Groups(config, log)
 
 
 @pytest.fixture(autouse=True)
