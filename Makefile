@@ -10,11 +10,13 @@ PAGE := _build/html/index.html
 export PIP_DISABLE_PIP_VERSION_CHECK := 1
 export PATH := $(abspath $(BIN)):$(PATH)
 
-.PHONY: help setup book test bench notebooks assignments grade lint clean distclean
+.PHONY: help setup book check test fuzz bench notebooks assignments grade lint types clean distclean
 
 help:
 	@echo "make book       build the book and say which file to open"
-	@echo "make test       check style, build the book, then check code, notebooks and pages"
+	@echo "make check      check style, types and code: two minutes, for each change"
+	@echo "make test       all of that, build the book, then check notebooks and pages"
+	@echo "make fuzz       try many thousands of problems (FUZZ='--triples 3000' for fewer)"
 	@echo "make bench      measure speed and print the table"
 	@echo "make notebooks  run and save every notebook (NOTEBOOK=path for one)"
 	@echo "make assignments  make the students' copies of the assignments"
@@ -49,11 +51,27 @@ lint: setup
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 
-test: lint book
-	@echo "== Testing code, notebooks and pages"
-	$(BIN)/python -m pytest -n auto --maxprocesses=4 --dist=loadscope \
+types: setup
+	@echo "== Checking types"
+	$(BIN)/mypy
+
+# Each worker takes what belongs together: a page that is open, a notebook's kernel, a module; see conftest.py.
+PYTEST := $(BIN)/python -m pytest -n auto --maxprocesses=4
+
+check: lint types
+	@echo "== Testing code"
+	$(PYTEST) -p no:nbval -m "not book" tests kinlib
+
+test: check book
+	@echo "== Testing notebooks and pages"
+	$(PYTEST) -m book --ignore=book/assignments/release \
 	    --nbval --nbval-current-env --nbval-cell-timeout=120 --nbval-sanitize-with=tests/nbval_sanitize.cfg \
-	    --ignore=book/assignments/release tests kinlib book
+	    tests book
+
+FUZZ ?=
+
+fuzz: setup
+	$(BIN)/python -m tests.fuzz $(FUZZ)
 
 bench: setup
 	$(BIN)/python -m tests.bench
@@ -77,7 +95,7 @@ grade: setup
 	@PYTHONPATH=book/assignments $(BIN)/python -m grader "$(SUBMISSIONS)" --out "$(OUT)" $(GRADING)
 
 clean:
-	rm -rf _build build dist kinlib.egg-info .pytest_cache .ruff_cache .hypothesis
+	rm -rf _build build dist kinlib.egg-info .mypy_cache .pytest_cache .ruff_cache .hypothesis
 	find kinlib tests book -name __pycache__ -type d -exec rm -rf {} +
 
 distclean: clean

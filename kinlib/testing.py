@@ -9,11 +9,14 @@ from kinlib.dual_quaternion import DualQuaternion
 from kinlib.linkage import Linkage
 from kinlib.projective import same_point
 from kinlib.scalar import RTOL, size
+from kinlib.typing import HomogeneousLike
 
 __all__ = ["assert_closes", "assert_same_point", "assert_visits", "random_poses"]
 
 
-def assert_same_point(actual, expected, *, rtol: float = RTOL, length: float = 1.0) -> None:
+def assert_same_point(
+    actual: HomogeneousLike, expected: HomogeneousLike, *, rtol: float = RTOL, length: float = 1.0
+) -> None:
     """Fail unless two dual quaternions are one point of P⁷ (in a batch: everywhere).
 
     Examples
@@ -37,12 +40,14 @@ def assert_visits(linkage: Linkage, *poses: DualQuaternion, rtol: float = RTOL) 
         raise AssertionError(f"the linkage was made from {len(linkage.parameters)} poses, not {len(poses)}")
     for number, (t, pose) in enumerate(zip(linkage.parameters, poses, strict=True)):
         reached = linkage.coupler_motion(t)
-        length = max(size(pose.coeffs) / size(pose.coeffs[..., :4]), 1.0)
+        length = float(max(size(pose.coeffs) / size(pose.coeffs[..., :4]), 1.0))
         if not np.all(same_point(reached, pose, rtol=rtol, length=length)):
             raise AssertionError(f"the coupler misses pose {number}: at t = {t} it is at [{reached}], not [{pose}]")
 
 
-def random_poses(count: int, *, seed: int, length: float = 1.0, angle: float | None = None, shape=()) -> list:
+def random_poses(
+    count: int, *, seed: int, length: float = 1.0, angle: float | None = None, shape: tuple[int, ...] = ()
+) -> list[DualQuaternion]:
     """Poses with random orientation and position, the same for the same seed.
 
     Parameters

@@ -37,26 +37,54 @@ def chromium():
     driver.quit()
 
 
+def opened(driver, url: str):
+    """The browser at a page whose mathematics is set."""
+    driver.set_script_timeout(120)
+    driver.get(url)
+    driver.execute_async_script(SETTLED)
+    return driver
+
+
+def is_elsewhere(url: str) -> bool:
+    return urlsplit(url).scheme not in ("file", "data", "blob", "about")
+
+
+def nothing_was_amiss(driver) -> None:
+    """Since the last look nothing was asked of the network, and no page complained."""
+    assert [url for url in requested_urls(driver) if is_elsewhere(url)] == []
+    assert console_messages(driver) == []
+
+
 @pytest.fixture
 def page(chromium, html):
-    """Opens a page of the book and waits for its mathematics; afterwards nothing may have been amiss."""
-    chromium.set_script_timeout(120)
+    """Opens a page of the book anew, to do something with it; nothing may be amiss afterwards."""
     chromium.get("about:blank")
     console_messages(chromium), requested_urls(chromium)
 
     def open_page(name: str):
         path, mark, query = name.partition("?")
-        chromium.get((html / path).as_uri() + mark + query)
-        chromium.execute_async_script(SETTLED)
-        return chromium
+        return opened(chromium, (html / path).as_uri() + mark + query)
 
     yield open_page
-    assert [url for url in requested_urls(chromium) if is_elsewhere(url)] == []
-    assert console_messages(chromium) == []
+    nothing_was_amiss(chromium)
 
 
-def is_elsewhere(url: str) -> bool:
-    return urlsplit(url).scheme not in ("file", "data", "blob", "about")
+@pytest.fixture
+def look(chromium, html):
+    """Opens a page of the book only to look at it: if the test before has looked at it too, it is open still.
+
+    Nothing moves, as for a reader who asks for that, so that no colour is on its way to another.
+    """
+    stillness = {"name": "prefers-reduced-motion", "value": "reduce"}
+    chromium.execute_cdp_cmd("Emulation.setEmulatedMedia", {"features": [stillness]})
+
+    def at(name: str):
+        url = (html / name).as_uri()
+        return chromium if chromium.current_url == url else opened(chromium, url)
+
+    yield at
+    chromium.execute_cdp_cmd("Emulation.setEmulatedMedia", {"features": []})
+    nothing_was_amiss(chromium)
 
 
 @pytest.fixture

@@ -159,8 +159,8 @@ return found;
 
 
 @pytest.mark.parametrize("name", PAGES)
-def test_mathematics_is_set(page, name):
-    driver = page(name)
+def test_mathematics_is_set(look, name):
+    driver = look(name)
     count = "return document.querySelectorAll(arguments[0]).length"
     formulas = driver.execute_script(count, ".math.notranslate, div.math")
     assert driver.execute_script(count, "mjx-container") >= formulas
@@ -169,9 +169,10 @@ def test_mathematics_is_set(page, name):
 
 
 @pytest.mark.parametrize("name", PAGES)
-def test_a_phone_need_not_scroll_sideways(chromium, page, name):
-    with screen(chromium, 390):
-        assert page(name).execute_script("return document.documentElement.scrollWidth") <= 390
+def test_a_phone_need_not_scroll_sideways(look, name):
+    driver = look(name)
+    with screen(driver, 390):
+        assert driver.execute_script("return document.documentElement.scrollWidth") <= 390
 
 
 def test_search_finds_what_a_reader_types(page):

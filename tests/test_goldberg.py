@@ -446,9 +446,11 @@ def test_no_linkage_that_misses_a_pose_is_returned_for_small_rational_z():
 
 
 def test_exact_linkages_for_small_rational_z_never_miss_a_pose():
+    dyads = oblique_dyads()
+    triangles = [triangle(dyads[number], side, OBLIQUE) for number, side in GROUPS]
     returned = refused = 0
     for z in product(range(-3, 4), (-2, -1, 1, 2)):
-        names = {bad_place(triangle(oblique_dyads()[n], s, OBLIQUE), z) for n, s in GROUPS} - {None}
+        names = {bad_place(corners, z) for corners in triangles} - {None}
         if names:
             with pytest.raises(DegenerateError, match="|".join(names)):
                 goldberg_linkages(*OBLIQUE, z)

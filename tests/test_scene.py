@@ -512,13 +512,14 @@ def test_the_keyboard_is_enough(chromium, play, scene, tmp_path):
     assert ask("return kinlib.playing")
 
 
-def test_many_scenes_on_one_page_take_turns(chromium, play, scene, tmp_path):
+def test_many_scenes_on_one_page_take_turns(chromium, play, tmp_path):
     """A browser has 16 WebGL contexts: a scene holds one only while it is seen, and has the theme of its page."""
     for name, file in static_files().items():
         target = tmp_path / "_static" / name
         target.parent.mkdir(parents=True, exist_ok=True)
         target.write_bytes(file.read_bytes())
-    scenes = f"<p>Some text.</p>{scene._repr_html_()}" * 18
+    small = Scene([Ball(np.ones(3), body="ball")], {"ball": TURNING}, alt="A ball.")  # there are many, and all move
+    scenes = f"<p>Some text.</p>{small._repr_html_()}" * 18
     root = '<html lang="en" data-content_root="./" data-theme="dark"><meta charset="utf-8"><title>Many</title>'
     (tmp_path / "page.html").write_text(f"<!doctype html>{root}<body>{scenes}</body></html>", encoding="utf-8")
     chromium.get((tmp_path / "page.html").as_uri())
