@@ -16,7 +16,18 @@ from itertools import combinations
 
 import numpy as np
 
-from tests.fuzz.fixed_point import BITS, ONE, conjugate, fixed, loop_polynomial, product, ratio, shift_of, turn_of, value
+from tests.fuzz.fixed_point import (
+    BITS,
+    ONE,
+    conjugate,
+    fixed,
+    loop_polynomial,
+    product,
+    ratio,
+    shift_of,
+    turn_of,
+    value,
+)
 from tests.fuzz.problems import compose, inverse, of_unit_length
 
 RTOL = 1e-9
@@ -119,9 +130,7 @@ def judge_linkage(factors, joints, coupler, home, parameters, poses, frame: Fram
     extent = np.maximum(frame.length, distance)
     for t in _samples(f):
         end = value(polynomial, t)
-        gap = np.maximum(
-            turn_of(end) / (RTOL + ROUNDING), shift_of(end, middle) / (RTOL * extent + ROUNDING * reach)
-        )
+        gap = np.maximum(turn_of(end) / (RTOL + ROUNDING), shift_of(end, middle) / (RTOL * extent + ROUNDING * reach))
         parts["loop open"] = np.maximum(parts.get("loop open", 0), np.where(np.isnan(gap), np.inf, gap))
     carried = loop_polynomial(f[: sum(joints[:coupler])])
     start = fixed(home.T)

@@ -80,9 +80,7 @@ def quaternion_product(p, r) -> np.ndarray:
 def compose(x, y) -> np.ndarray:
     """The product of dual quaternions, shape (..., 8)."""
     p, d, r, e = x[..., :4], x[..., 4:], y[..., :4], y[..., 4:]
-    return np.concatenate(
-        [quaternion_product(p, r), quaternion_product(p, e) + quaternion_product(d, r)], axis=-1
-    )
+    return np.concatenate([quaternion_product(p, r), quaternion_product(p, e) + quaternion_product(d, r)], axis=-1)
 
 
 def pose(turn, position) -> np.ndarray:

@@ -122,7 +122,9 @@ def _single(job: Job, block: Block, frame: Frame, row: int, batch=None) -> Outco
     name = f"{block.name}/{row}"
     one = [row]
     try:
-        answer = _call(job, block, row, degenerate="raise") if job.function not in NO_BATCHES else _call(job, block, row)
+        answer = (
+            _call(job, block, row, degenerate="raise") if job.function not in NO_BATCHES else _call(job, block, row)
+        )
     except (kinlib.DegenerateError, ValueError) as error:
         if isinstance(error, np.linalg.LinAlgError):
             return Outcome(name, job.function, "crash", f"LinAlgError: {error}")
