@@ -11,6 +11,7 @@ from itertools import combinations, product
 
 import mpmath as mp
 import numpy as np
+from mpmath.libmp import NoConvergence
 
 from tests.fuzz.judge import ROUNDING, frame_of
 
@@ -182,7 +183,7 @@ def of_z(poses, z) -> dict:
     z = mp.mpc(_exactly(z.real), _exactly(z.imag))
     try:
         planes = _planes(Poses(poses).seen)
-    except (ZeroDivisionError, mp.NoConvergence):
+    except (ZeroDivisionError, NoConvergence):
         return measures
     for sA, sB in planes:
         for u in ([a + 1j for a in sA], [a - 1j for a in sA]):  # the axis may point either way
@@ -299,7 +300,11 @@ def _of_cubic(p, t3, free, measures) -> None:
     largest = max(abs(w) for w in weights)
     missed = min(abs(w) for w in weights) / largest
     measures["missed"] = min(measures.get("missed", 1.0), float(missed))
-    roots = [r for r in mp.polyroots(_norm_of_cubic(p, weights, t), maxsteps=500, extraprec=400, error=False)]
+    try:
+        roots = mp.polyroots(_norm_of_cubic(p, weights, t), maxsteps=500, extraprec=400)
+    except NoConvergence:  # roots that (nearly) agree
+        measures["repeated factors"] = 0.0
+        return
     upper = sorted(roots, key=lambda r: -mp.im(r))[:3]
     meets = min(abs(mp.im(r)) / (1 + abs(r)) for r in upper)
     apart = min(abs(r - s) / (1 + abs(r)) for r, s in combinations(upper, 2))

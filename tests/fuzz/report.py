@@ -8,6 +8,11 @@ from collections import Counter, defaultdict
 from tests.fuzz.trial import BANDS, GOOD
 
 
+def _head(*columns: str) -> list[str]:
+    names = (*columns, "problems", *BANDS, "worst/allowed")
+    return [f"| {' | '.join(names)} |", "|---" * len(names) + "|"]
+
+
 class Report:
     """The outcomes, counted."""
 
@@ -36,21 +41,14 @@ class Report:
         for function, distribution, distance in self.cells:
             groups[function, distribution].append((function, distribution, distance))
             groups[function, "all"].append((function, distribution, distance))
-        lines = [
-            f"| function | distribution | problems | {' | '.join(BANDS)} | worst/allowed |",
-            "|---" * (len(BANDS) + 4) + "|",
-        ]
+        lines = _head("function", "distribution")
         for function, distribution in sorted(groups, key=lambda key: (key[0], key[1] == "all", key[1])):
             lines.append(f"| {function} | {distribution} | {self._row(groups[function, distribution])} |")
         return "\n".join(lines)
 
     def table(self) -> str:
         """One line for each distribution and distance."""
-        lines = [
-            self.summary(),
-            "",
-            f"| function | distribution | distance | problems | {' | '.join(BANDS)} | worst/allowed |",
-        ]
+        lines = [self.summary(), "", *_head("function", "distribution", "distance")]
         lines.append("|---" * (len(BANDS) + 5) + "|")
         order = sorted(self.cells, key=lambda key: (key[0], key[1], -float(key[2]) if key[2] != "-" else 0))
         return "\n".join(lines + [f"| {' | '.join(key)} | {self._row([key])} |" for key in order]) + "\n"

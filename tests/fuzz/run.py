@@ -42,7 +42,12 @@ def rows_of(block: Block, rows) -> Block:
 
 
 def attempt(task) -> list[Outcome]:
-    return try_block(problems_of(task))
+    """The outcomes of a task; that the judge fails is an outcome too."""
+    block = problems_of(task)
+    try:
+        return try_block(block)
+    except Exception as error:
+        return [Outcome(f"{block.name}/:", "the judge", "crash", f"{type(error).__name__}: {error}")]
 
 
 def run(tasks, workers: int) -> list[Outcome]:

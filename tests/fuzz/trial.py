@@ -163,7 +163,7 @@ def _refused(job: Job, block: Block, frame: Frame, row: int, message: str, batch
 def _call(job: Job, block: Block, rows, **options):
     poses = [_told(p[rows], block.form) for p in block.poses]
     z, free = (None if x is None else x[rows] for x in (block.z, block.free))
-    with _limited():
+    with _Limited():
         return job.call(poses, z, free, **options)
 
 
@@ -188,7 +188,7 @@ def matrix_of(q) -> np.ndarray:
     return matrix
 
 
-class _limited:
+class _Limited:
     """Stops a call that takes too long."""
 
     def __enter__(self):
