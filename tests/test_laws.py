@@ -1,0 +1,786 @@
+"""Laws of every public function and class, tried on all shapes and all kinds of numbers."""
+
+import copy
+import math
+import pickle
+from fractions import Fraction
+from itertools import permutations
+
+import numpy as np
+import pytest
+
+import kinlib
+from kinlib import (
+    NULL_CONE, STUDY_QUADRIC, DegenerateError, DualQuaternion, Dyad, Line, Linkage, MotionPolynomial, Quadric, act,
+    as_matrix, as_pose, as_rigid_transform, axis_of, bennett_flip, bennett_linkage, common_perpendicular,
+    conic_through, cubics_through, dyads_through_poses, eps, factorizations, factorize, from_matrix,
+    from_rigid_transform, goldberg_linkages, half_turn, i, is_null_line, j, join, k, linear_factor, meet, null_form,
+    null_space, one, quadratic_factors, recognise, rotation, same_point, six_r_linkages, square_root,
+    study_eigenvalues, study_form, study_projection, translation, unit,
+)  # fmt: skip
+from kinlib.gallery import FOUR_POSES, LINEAR_TERMS_EQUAL, THREE_POSES
+from kinlib.testing import random_poses
+from laws import (
+    ALL, COVERED, EXACT, REAL, SHAPES, Draw, Rowwise, arrays_of, assert_same, assert_same_linkages,
+    assert_same_numbers, assert_same_poses, in_floats, law, row, row_of, with_nan,
+)  # fmt: skip
+
+# --- the algebra ------------------------------------------------------------------------------------------------
+
+
+@law("DualQuaternion", kinds=ALL, q="dual_quaternion", r="dual_quaternion", s="dual_quaternion")
+def test_the_product_is_associative_and_distributes(q, r, s):
+    assert_same((q * r) * s, q * (r * s))
+    assert_same(q * (r + s), q * r + q * s)
+    assert_same((q - r) * s, q * s - r * s)
+
+
+@law("one", "i", "j", "k", "eps", kinds=ALL, q="dual_quaternion", x="scalar")
+def test_the_units(q, x):
+    assert i * i == j * j == k * k == i * j * k == -1
+    assert eps * eps == 0
+    assert_same(one * q, q)
+    assert_same(eps * q, q * eps)
+    assert_same(x * q, q * x)
+
+
+@law("DualQuaternion", kinds=ALL, q="dual_quaternion", r="dual_quaternion")
+def test_conjugations(q, r):
+    assert_same((q * r).conjugate(), r.conjugate() * q.conjugate())
+    assert_same((q * r).eps_conjugate(), q.eps_conjugate() * r.eps_conjugate())
+    assert_same((q * r).norm(), q.norm() * r.norm())
+    assert_same(q.primal + eps * q.dual, q)
+
+
+@law("DualQuaternion", kinds=(*REAL, "complex"), q="dual_quaternion", r="dual_quaternion")
+def test_division(q, r):
+    assert_same(q * q.inverse(), one)
+    assert_same((q * r) / r, q)
+    assert_same(q**-2 * q**3, q)
+
+
+@law("DualQuaternion", kinds=(*REAL, "complex"), q="dual_quaternion")
+def test_what_is_copied_is_equal(q):
+    for same in (copy.copy(q), copy.deepcopy(q), pickle.loads(pickle.dumps(q)), DualQuaternion(q.coeffs)):
+        assert np.all(same == q)
+        assert same.shape == q.shape
+        assert not same.coeffs.flags.writeable
+
+
+@law("DualQuaternion", q="dual_quaternion")
+def test_length_index_and_iteration_mean_the_batch(q):
+    assert np.shape(q.coeffs) == (*q.shape, 8)
+    if not q.shape:
+        with pytest.raises(TypeError):
+            len(q)
+        return
+    assert len(q) == q.shape[0] == len(list(q))
+    assert_same(DualQuaternion.stack(list(q)), q)
+
+
+@law("study_form", "null_form", kinds=ALL, x="dual_quaternion", y="dual_quaternion", z="dual_quaternion", s="scalar")
+def test_the_two_forms_polarise_the_norm(x, y, z, s):
+    both = x * y.conjugate() + y * x.conjugate()
+    assert_same(both, _dual(2 * null_form(x, y), 2 * study_form(x, y)))
+    for form in (study_form, null_form):
+        assert_same(form(x, y), form(y, x))
+        assert_same(form(x * s + z, y), s * form(x, y) + form(z, y))
+
+
+def _dual(a, b) -> DualQuaternion:
+    """The dual number a + εb."""
+    return one * a + eps * b
+
+
+# --- displacements ----------------------------------------------------------------------------------------------
+
+
+@law("act", kinds=REAL, q="pose", r="pose", x="point", s="scalar")
+def test_displacements_act_on_points(q, r, x, s):
+    assert_same(act(q * r, x), act(q, act(r, x)))
+    assert_same(act(q.inverse(), act(q, x)), x)
+    assert_same(act(q * s, x), act(q, x))
+
+
+@law("act", "Line", q="pose", r="pose", line="line", x="point")
+def test_displacements_act_on_lines(q, r, line, x):
+    assert_same(act(q * r, line), act(q, act(r, line)))
+    foot = line.foot(x)
+    assert np.all(act(q, line).contains(act(q, foot)))
+
+
+@law("act", "DualQuaternion", kinds=REAL, q="pose", line="line")
+def test_moving_a_line_is_conjugating_its_half_turn(q, line):
+    moved = q * half_turn(line) * q.conjugate() / null_form(q, q)
+    assert_same(half_turn(act(q, line)), moved)
+
+
+@law("as_matrix", "from_matrix", "as_pose", kinds=REAL, q="pose", r="pose")
+def test_matrices_are_another_name_for_poses(q, r):
+    assert_same(as_matrix(q * r), as_matrix(q) @ as_matrix(r))
+    if all(n.dtype != object for n in (q.coeffs,)) or not hasattr(q.coeffs.flat[0], "field"):
+        assert_same_poses(from_matrix(as_matrix(q)), q)
+        assert_same_poses(as_pose(as_matrix(q)), as_pose(q))
+
+
+@law("as_rigid_transform", "from_rigid_transform", kinds=("float",), q="pose", x="point")
+def test_scipy_says_the_same(q, x):
+    transform = as_rigid_transform(q)
+    assert_same_poses(from_rigid_transform(transform), q)
+    assert_same_poses(as_pose(transform), q)
+    if q.shape in ((), (1,)):
+        assert_same(transform.apply(x), act(q, x))
+
+
+@law("translation", kinds=REAL, v="vector", w="vector", x="point")
+def test_translations_add(v, w, x):
+    assert_same(translation(v) * translation(w), translation(v + w))
+    assert_same(act(translation(v), x), x + v)
+
+
+@law("rotation", "half_turn", "unit", kinds=("float",), line="line", a="angle", b="angle", x="point")
+def test_rotations_about_a_line(line, a, b, x):
+    turn = rotation(line, a)
+    assert_same(turn * rotation(line, b), rotation(line, a + b))
+    assert_same(act(turn, line.foot(x)), line.foot(x))
+    assert_same(rotation(line, np.pi + 0 * a), unit(half_turn(line)))
+    assert_same(null_form(turn, turn), 1 + 0 * a)
+
+
+@law("half_turn", "axis_of", "Line", kinds=REAL, line="line", x="point")
+def test_a_half_turn_undoes_itself(line, x):
+    h = half_turn(line)
+    assert_same(act(h, act(h, x)), x)
+    middle = (x + act(h, x)) / 2
+    assert_same(middle, line.foot(x))
+    assert_same(Line.from_dual_quaternion(h), line)
+
+
+@law("axis_of", "unit", kinds=("float", "fraction"), h="half_turn", s="scalar", r="scalar")
+def test_the_axis_of_a_rotation(h, s, r):
+    axis = axis_of(h * s + r)
+    assert_same_poses(axis, h)
+    assert_same_poses(unit(h * s), h)
+
+
+@law("unit", kinds=("float",), q="pose")
+def test_unit_poses(q):
+    assert_same(null_form(unit(q), unit(q)), 1 + 0 * q.scalar_part)
+    assert_same_poses(unit(q), q)
+
+
+@law("study_projection", kinds=REAL, q="dual_quaternion", p="pose", x="point")
+def test_the_study_projection(q, p, x):
+    pose = study_projection(q)
+    assert_same_numbers(study_form(pose, pose), 0 * q.scalar_part, rtol=1e-7)
+    assert_same_poses(pose.primal, q.primal)
+    assert_same_poses(study_projection(p), p)
+
+
+@law("as_pose", kinds=("float", "fraction"), q="pose", r="pose")
+def test_what_is_computed_from_poses_is_a_pose(q, r):
+    for computed in (q * q.inverse(), q * r.inverse(), q * r * q * r, translation([1000, 0, 0]) * q):
+        assert_same_poses(as_pose(computed), computed, length=1000.0)
+
+
+@pytest.mark.parametrize("seed", range(50))
+def test_rounding_does_not_unmake_poses(seed):
+    poses = random_poses(3, seed=seed)
+    seen = [p * poses[0].inverse() for p in poses]
+    assert bennett_linkage(*seen).closure_residual() < 1e-9
+
+
+# --- lines ------------------------------------------------------------------------------------------------------
+
+
+@law("Line", kinds=REAL, a="point", b="point", v="vector")
+def test_lines_pass_through_their_points(a, b, v):
+    line = Line.through(a, b)
+    assert np.all(line.contains(a))
+    assert np.all(line.contains(b))
+    assert np.all(Line.at(a, v).contains(a + v * 2))
+
+
+@law("Line", kinds=("float", "fraction"), line="line", x="point")
+def test_the_foot_is_the_nearest_point(line, x):
+    foot = line.foot(x)
+    assert np.all(line.contains(foot))
+    assert_same(((x - foot) * line.direction).sum(-1), 0 * x[..., 0])
+
+
+@law("Line", "common_perpendicular", kinds=("float", "fraction"), first="line", second="line", q="pose")
+def test_the_common_perpendicular(first, second, q):
+    a, b = common_perpendicular(first, second)
+    assert np.all(first.contains(a))
+    assert np.all(second.contains(b))
+    for line in (first, second):
+        assert_same(((a - b) * line.direction).sum(-1), 0 * a[..., 0])
+    moved = common_perpendicular(act(q, first), act(q, second))
+    assert_same(list(moved), [act(q, a), act(q, b)], rtol=1e-7)
+
+
+@law("Line", kinds=("float",), first="line", second="line", q="pose")
+def test_distance_and_angle_are_seen_alike_from_everywhere(first, second, q):
+    assert_same(first.distance(second), second.distance(first))
+    assert_same(act(q, first).distance(act(q, second)), first.distance(second), rtol=1e-7)
+    assert_same(act(q, first).angle(act(q, second)), first.angle(second), rtol=1e-7)
+    h, g = half_turn(first), half_turn(second)
+    sine = np.sin(first.angle(second)) * np.sqrt(null_form(h, h) * null_form(g, g))
+    assert_same(np.abs(study_form(h, g)), first.distance(second) * sine)
+
+
+@law("Line", kinds=("float", "fraction"), line="line", v="vector")
+def test_parallel_lines_have_a_distance(line, v):
+    other = act(translation(v), line)
+    across = v - (v * line.direction).sum(-1, keepdims=True) * line.direction / (line.direction**2).sum(-1, keepdims=True)
+    assert_same(np.asarray(line.distance(other), dtype=float) ** 2, (across**2).sum(-1).astype(float), rtol=1e-7)
+
+
+# --- projective geometry ----------------------------------------------------------------------------------------
+
+
+@law("same_point", kinds=(*REAL, "complex"), x="dual_quaternion", y="dual_quaternion", s="scalar")
+def test_points_are_coefficients_up_to_a_factor(x, y, s):
+    assert np.all(same_point(x * s, x))
+    assert not np.any(same_point(x, y))
+    assert np.shape(same_point(x, y)) == x.shape
+
+
+@law("join", "meet", "null_space", "Subspace", kinds=(*REAL, "complex"), shapes=((5,),), points="dual_quaternion")
+def test_dimensions_of_join_and_meet(points):
+    first, second = join(points[0], points[1], points[2]), join(points[2], points[3], points[4])
+    both, common = join(first, second), meet(first, second)
+    assert first.dimension + second.dimension == both.dimension + common.dimension == 4
+    assert points[2] in common
+    assert points[4] not in first
+    assert points[0] + points[1] * 3 in first
+    assert_same(first.equations() @ first.basis.T, np.zeros((5, 3), dtype=int))
+    assert_same(null_space(first.basis) @ first.basis.T, np.zeros((5, 3), dtype=int))
+
+
+@law("Quadric", "STUDY_QUADRIC", "NULL_CONE", "EXCEPTIONAL_SPACE", kinds=REAL, x="dual_quaternion", q="pose")
+def test_the_quadrics_are_their_forms(x, q):
+    assert_same(STUDY_QUADRIC.form(x, q), study_form(x, q))
+    assert_same(NULL_CONE.form(x, q), null_form(x, q))
+    assert np.all(STUDY_QUADRIC.contains(q))
+    assert_same((STUDY_QUADRIC.tangent_hyperplane(x) * q.coeffs).sum(-1), study_form(x, q))
+    assert STUDY_QUADRIC.contains(kinlib.EXCEPTIONAL_SPACE)
+    assert STUDY_QUADRIC.signature() == (4, 4)
+
+
+@law("Quadric", "Subspace", kinds=REAL, shapes=((3,),), points="dual_quaternion", s="scalar")
+def test_a_quadric_restricted_to_a_subspace(points, s):
+    plane = join(*points)
+    section = STUDY_QUADRIC.restrict(plane)
+    x = DualQuaternion((plane.basis * s[:, None]).sum(0))
+    assert_same(section.form(s, s), study_form(x, x))
+    assert isinstance(section, Quadric)
+    assert section.rank() == 3
+
+
+@law("is_null_line", "Dyad", "TwoRSpace", "NullQuadrilateral", kinds=("float",), shapes=((),), dyad="dyad", q="pose")
+def test_null_quadrilaterals_move_with_the_frame(dyad, q):
+    vertices = dyad.space().null_quadrilateral()
+    for x, y in zip(vertices, (*vertices[1:], vertices[0]), strict=True):
+        assert is_null_line(x, y)
+        assert is_null_line(q * x, q * y)
+    assert not is_null_line(vertices[0], vertices[2])
+
+
+# --- numbers ----------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("x", [0, 1, Fraction(9, 4), 2, 8, Fraction(2, 3), 10**30 + 1, 2.0, 0.0])
+def test_a_square_root_squares_to_its_square(x):
+    root = square_root(x)
+    assert_same(root * root, x)
+    assert float(root) >= 0
+    assert float(root) == pytest.approx(math.sqrt(x))
+
+
+COVERED.update(("square_root", "NumberField", "NumberFieldElement"))
+
+
+@law("NumberField", "NumberFieldElement", kinds=("field",), shapes=((),), x="scalar", y="scalar", z="scalar")
+def test_number_fields_are_fields(x, y, z):
+    assert x * (y + z) == x * y + x * z
+    assert x / y * y == x
+    assert (x < y) == (float(x) < float(y))
+    assert float(x * y) == pytest.approx(float(x) * float(y))
+    assert hash(x * y) == hash(y * x)
+
+
+# --- motion polynomials -----------------------------------------------------------------------------------------
+
+
+@law("MotionPolynomial", kinds=REAL, C="polynomial", D="polynomial", t="scalar")
+def test_evaluation_respects_sums_and_products(C, D, t):
+    t = t if C.shape == () else np.asarray(t)
+    assert_same((C * D)(t), C(t) * D(t))
+    assert_same((C + D)(t), C(t) + D(t))
+    assert_same(C.conjugate()(t), C(t).conjugate())
+    assert_same(C(math.inf), C.leading)
+
+
+@law("MotionPolynomial", kinds=REAL, C="polynomial", D="polynomial")
+def test_division_with_remainder(C, D):
+    quotient, remainder = divmod(C * D + D.leading, D)
+    assert_same((quotient * D + remainder).coeffs[..., -5:, :], (C * D + D.leading).coeffs)
+    assert remainder.degree < D.degree
+
+
+@law("MotionPolynomial", kinds=REAL, C="motion")
+def test_products_of_linear_factors_are_motions(C):
+    assert np.all(C.is_motion())
+    assert_same_numbers(C.study_polynomial(), 0 * C.study_polynomial(), rtol=1e-7)
+
+
+@law("MotionPolynomial", "RationalCurve", kinds=("float", "fraction"), shapes=((),), C="motion", x="point", t="scalar")
+def test_trajectories_are_where_points_go(C, x, t):
+    assert_same(C.trajectory(x)(t), act(C(t), x))
+
+
+@law("linear_factor", "MotionPolynomial", kinds=REAL, h="half_turn", t="scalar")
+def test_a_linear_factor_turns_about_its_axis(h, t):
+    t = t if not h.shape else np.asarray(t)
+    assert_same(linear_factor(h)(t), t - h)
+    assert_same(Line.from_dual_quaternion(h).foot(), act(linear_factor(h)(t), Line.from_dual_quaternion(h).foot()))
+
+
+@law("bennett_flip", kinds=REAL, h="rotation", g="rotation")
+def test_the_bennett_flip_exchanges_quadratics(h, g):
+    a, b = bennett_flip(h, g)
+    assert_same(linear_factor(a) * linear_factor(b), linear_factor(h) * linear_factor(g), rtol=1e-7)
+    assert_same(a.scalar_part, g.scalar_part, rtol=1e-7)
+    assert_same(null_form(b, b), null_form(h, h), rtol=1e-7)
+    assert_same(list(bennett_flip(a, b)), [h, g], rtol=1e-6)
+
+
+@law("factorizations", "factorize", "quadratic_factors", kinds=("float", "fraction"), h="rotation", g="rotation")
+def test_factorizations_multiply_to_the_polynomial(h, g):
+    C = linear_factor(h) * linear_factor(g)
+    found = factorizations(C)
+    assert len(found) == 2
+    for order, factors in zip(permutations(range(2)), found, strict=True):
+        a, b = factors
+        assert_same(linear_factor(a) * linear_factor(b), C, rtol=1e-7)
+        assert_same(list(factorize(C, order)), list(factors))
+    quadratics = quadratic_factors(C.norm_polynomial())
+    assert quadratics.shape == (*C.shape, 2, 3)
+
+
+@law("quadratic_factors", kinds=("float", "fraction"), x="scalar", y="scalar", u="scalar", v="scalar")
+def test_quadratic_factors_multiply_to_the_polynomial(x, y, u, v):
+    first, second = ((-2 * a, a * a + b * b) for a, b in ((x, y), (u, v)))
+    quartic = np.stack(
+        [0 * x + 1, first[0] + second[0], first[1] + second[1] + first[0] * second[0],
+         first[0] * second[1] + second[0] * first[1], first[1] * second[1]], axis=-1,
+    )  # fmt: skip
+    found = quadratic_factors(quartic)
+    assert found.shape == (*np.shape(x), 2, 3)
+    b, c = found[..., 1], found[..., 2]
+    product = np.stack(
+        [b.sum(-1), c.sum(-1) + b.prod(-1), b[..., 0] * c[..., 1] + b[..., 1] * c[..., 0], c.prod(-1)], axis=-1
+    )
+    assert_same_numbers(product, quartic[..., 1:], rtol=1e-7)
+
+
+# --- dyads ------------------------------------------------------------------------------------------------------
+
+
+@law("Dyad", "TwoRSpace", kinds=("float", "fraction"), dyad="dyad", s="scalar", t="scalar")
+def test_a_dyad_knows_its_own_poses(dyad, s, t):
+    pose = dyad(s, t)
+    assert_same(list(dyad.parameters(pose)), [s, t], rtol=1e-6)
+    assert np.all(dyad.space().contains(pose))
+    assert dyad.shape == pose.shape
+
+
+@law("Dyad", kinds=("float", "fraction"), dyad="dyad")
+def test_the_home_of_a_dyad_is_at_infinity(dyad):
+    assert all(np.all(np.isinf(np.asarray(t, dtype=float))) for t in dyad.parameters(dyad.home))
+
+
+@law("Dyad", kinds=("float",), shapes=((),), dyad="dyad", pose="pose")
+def test_a_dyad_refuses_a_pose_that_it_does_not_reach(dyad, pose):
+    with pytest.raises(ValueError):
+        dyad.parameters(pose)
+
+
+@law("Dyad", kinds=("float",), shapes=((),), dyad="dyad", s="scalar", t="scalar")
+def test_a_dyad_takes_poses_of_any_form(dyad, s, t):
+    pose = dyad(s, t)
+    for form in (as_matrix(pose), as_rigid_transform(pose)):
+        assert_same(list(dyad.parameters(form)), [s, t], rtol=1e-6)
+        assert form in dyad.space()
+
+
+@law("recognise", "Dyad", "TwoRSpace", kinds=("float", "fraction"), shapes=((),), h="half_turn", g="half_turn", q="pose")
+def test_recognise_finds_the_dyad_of_a_space(h, g, q):
+    found = recognise(Dyad(h, g).space())
+    assert_same_poses(found.h1, h, rtol=1e-6)
+    assert_same_poses(found.h2, g, rtol=1e-6)
+
+
+@law("Dyad", "Line", kinds=("float",), dyad="dyad", s="scalar", t="scalar")
+def test_a_dyad_turns_about_its_axes(dyad, s, t):
+    base, moving = dyad.axes
+    foot = base.foot()
+    assert_same(act(dyad(s, math.inf), act(dyad.home.inverse(), foot)), foot, rtol=1e-7)
+
+
+# --- linkages ---------------------------------------------------------------------------------------------------
+
+
+def _synthesised(shape=()):
+    return bennett_linkage(*random_poses(3, seed=3, shape=shape))
+
+
+COVERED.update(("Linkage", "DHRow", "DegenerateError"))
+
+
+@pytest.mark.parametrize("shape", SHAPES)
+def test_a_loop_stays_closed_and_joined(shape):
+    linkage = _synthesised(shape)
+    assert np.all(linkage.closure_residual() < 1e-9)
+    assert linkage.shape == shape
+    links = linkage.link_displacements(0.3)
+    assert links.shape == (*shape, 4)
+    assert linkage.configuration(0.3).shape == (*shape, 4)
+    assert linkage.joint_angles(0.3).shape == (*shape, 4)
+    assert np.all(np.asarray(linkage.mobility()) == 1)
+    relative = linkage.relative_motion(0, linkage.coupler)
+    reached = relative(0.3) if not shape else relative(np.full(shape, 0.3))
+    motion = linkage.coupler_motion(0.3) if not shape else linkage.coupler_motion(np.full(shape, 0.3))
+    assert_same_poses(reached * linkage.home, motion, rtol=1e-7)
+
+
+@pytest.mark.parametrize("shape", SHAPES)
+def test_denavit_hartenberg_rows_do_not_depend_on_the_frame(shape):
+    poses = random_poses(3, seed=4, shape=shape)
+    (frame,) = random_poses(1, seed=5)
+    rows = bennett_linkage(*poses).denavit_hartenberg()
+    moved = bennett_linkage(*[frame * p for p in poses]).denavit_hartenberg()
+    assert len(rows) == 4
+    for a, b in zip(rows, moved, strict=True):
+        assert_same(list(a), list(b), rtol=1e-6)
+        assert_same(a.offset, 0 * a.offset, rtol=1e-6)
+
+
+@pytest.mark.parametrize("shape", [(1,), (3, 1, 2)])
+def test_length_index_and_iteration_of_linkages_mean_the_batch(shape):
+    linkage = _synthesised(shape)
+    assert len(linkage) == shape[0]
+    assert [part.shape for part in linkage] == [shape[1:]] * shape[0]
+    assert linkage.joint_count == 4
+
+
+def test_a_linkage_that_does_not_close_cannot_be_made():
+    with pytest.raises(ValueError):
+        Linkage((i, j - eps * i, k + eps * j, i + eps * k), (1, 1, 1, 1), 2)
+
+
+@pytest.mark.parametrize("function", [dyads_through_poses, bennett_linkage])
+def test_errors_name_the_rows(function):
+    poses = random_poses(3, seed=6, shape=(4,))
+    spoiled = DualQuaternion.stack([poses[0][n] if n in (1, 3) else poses[1][n] for n in range(4)])
+    with pytest.raises(DegenerateError) as caught:
+        function(poses[0], spoiled, poses[2])
+    assert caught.value.rows == (1, 3)
+    assert "equal" in str(caught.value)
+
+
+# --- synthesis: what all of it keeps to --------------------------------------------------------------------------
+
+
+def _dyads(poses, **options):
+    return dyads_through_poses(*poses[:3], **options)
+
+
+def _bennett(poses, **options):
+    return (bennett_linkage(*poses[:3], **options),)
+
+
+def _goldberg(poses, z=0.4 + 0.7j, **options):
+    return goldberg_linkages(*poses[:3], z, **options)
+
+
+def _six_r(poses, **options):
+    return six_r_linkages(*poses, **options)
+
+
+SYNTHESES = [_dyads, _bennett, _goldberg, _six_r]
+COVERED.update(
+    ("dyads_through_poses", "bennett_linkage", "goldberg_linkages", "six_r_linkages", "conic_through", "cubics_through")
+)
+synthesis = pytest.mark.parametrize("build", SYNTHESES, ids=lambda build: build.__name__.strip("_"))
+
+
+def four(seed: int = 1, shape=(), **options) -> list[DualQuaternion]:
+    """Four poses with real families of cubics (of which three may be used), each row the same kind of problem."""
+    return random_poses(4, seed=seed, shape=shape, **options)
+
+
+def moved(result, q: DualQuaternion, g: DualQuaternion):
+    """The same dyads and linkages, seen after a change q of the fixed and g of the moving frame."""
+    back = q.inverse()
+    if isinstance(result, Dyad):
+        return Dyad(axis_of(q * result.h1 * back), axis_of(q * result.h2 * back), q * result.home * g)
+    factors = [q * f * back for f in result.factors]
+    return Linkage(factors, result.joints, result.coupler, q * result.home * g, result.parameters)
+
+
+@synthesis
+def test_frames_change_linkages_with_them(build):
+    poses = four()
+    q, g = random_poses(2, seed=9)
+    expected = [moved(part, q, g) for part in build(poses)]
+    assert_same_linkages(build([q * p * g for p in poses]), expected)
+
+
+@synthesis
+@pytest.mark.parametrize("power", [-12, -5, 3, 12])
+@pytest.mark.parametrize("which", range(3))
+def test_representatives_do_not_matter(build, power, which):
+    poses = four()
+    scaled = [p * (-(10.0**power)) if n == which else p for n, p in enumerate(poses)]
+    assert_same_linkages(build(scaled), build(poses))
+
+
+@synthesis
+def test_the_form_of_the_poses_does_not_matter(build):
+    poses = four()
+    expected = build(poses)
+    assert_same_linkages(build([as_matrix(p) for p in poses]), expected)
+    assert_same_linkages(build([as_rigid_transform(p) for p in poses]), expected)
+
+
+@synthesis
+@pytest.mark.parametrize("length", [1e-6, 1e-3, 1e3, 1e6])
+def test_the_unit_of_length_does_not_matter(build, length):
+    poses = four()
+    stretched = [DualQuaternion(p.coeffs * np.array([1] * 4 + [length] * 4)) for p in poses]
+    scale = np.array([1] * 4 + [length] * 4)
+
+    def stretch(q):
+        return DualQuaternion(q.coeffs * scale)
+
+    expected = []
+    for part in build(poses):
+        if isinstance(part, Dyad):
+            expected.append(Dyad(stretch(part.h1), stretch(part.h2), stretch(part.home)))
+        else:
+            factors = [stretch(f) for f in part.factors]
+            expected.append(Linkage(factors, part.joints, part.coupler, stretch(part.home), part.parameters))
+    assert_same_linkages(build(stretched), expected, length=length)
+
+
+@synthesis
+@pytest.mark.parametrize("shape", [(1,), (3, 1, 2)])
+def test_a_batch_is_synthesised_row_by_row(build, shape):
+    row_poses = four()
+    q = Draw("float", shape, seed=3).pose()
+    q = unit(q)
+    poses = [q * p for p in row_poses]
+    together = build(poses)
+    for index in np.ndindex(*shape):
+        alone = build([p[index] for p in poses])
+        assert len(alone) == len(together)
+        for a, b in zip(alone, together, strict=True):
+            for x, y in zip([x for x, _ in arrays_of(a)], row_of(b, shape, index), strict=True):
+                assert_same_numbers(x, y, rtol=1e-7)
+
+
+@synthesis
+def test_single_poses_and_batches_broadcast(build):
+    poses = four()
+    batch = DualQuaternion.stack([poses[1], random_poses(1, seed=77)[0] * 0.01 + poses[1]], axis=0)
+    batch = study_projection(batch)
+    together = build([poses[0], batch, *poses[2:]])
+    alone = build([poses[0], poses[1], *poses[2:]])
+    for a, b in zip(alone, together, strict=True):
+        for x, y in zip([x for x, _ in arrays_of(a)], row_of(b, (2,), (0,)), strict=True):
+            assert_same_numbers(x, y, rtol=1e-7)
+
+
+@synthesis
+def test_a_nan_row_or_a_degenerate_row_stays_a_row(build):
+    poses = [one * 1.0 * p for p in four()]
+    rows = [DualQuaternion.stack([p] * 3) for p in poses]
+    rows[1] = DualQuaternion.stack([poses[1], poses[0], DualQuaternion(np.full(8, np.nan))])
+    with np.errstate(all="ignore"):
+        together = build(rows, degenerate="nan")
+    alone = build(poses)
+    for a, b in zip(alone, together, strict=True):
+        for x, y in zip([x for x, _ in arrays_of(a)], row_of(b, (3,), (0,)), strict=True):
+            assert_same_numbers(x, y, rtol=1e-7)
+        for bad in (1, 2):
+            assert np.isnan(np.concatenate([np.ravel(x) for x in row_of(b, (3,), (bad,))])).any()
+
+
+@pytest.mark.parametrize("poses", [THREE_POSES, LINEAR_TERMS_EQUAL], ids=["rational", "equal linear terms"])
+@pytest.mark.parametrize("build", SYNTHESES[:2], ids=["dyads", "bennett"])
+def test_exact_poses_give_the_same_in_the_same_order(build, poses):
+    exact = build(poses)
+    floats = build([p.astype(float) for p in poses])
+    for a, b in zip(exact, floats, strict=True):
+        if isinstance(a, Dyad):
+            assert_same_linkages([Dyad(unit(a.h1.astype(float)), unit(a.h2.astype(float)), a.home)], [b])
+        else:
+            assert_same_linkages([a], [b])
+
+
+def test_exact_goldberg_linkages_are_those_in_floats():
+    exact = goldberg_linkages(*THREE_POSES, (1, Fraction(2, 3)))
+    assert_same_linkages(exact, goldberg_linkages(*[p.astype(float) for p in THREE_POSES], (1, Fraction(2, 3))))
+    assert_same_linkages(exact, goldberg_linkages(*THREE_POSES, 1 + 2j / 3))
+
+
+def test_exact_cubics_are_those_in_floats():
+    exact, floats = cubics_through(*FOUR_POSES), cubics_through(*[p.astype(float) for p in FOUR_POSES])
+    assert len(exact) == len(floats) == 2
+    for C, D in zip(exact, floats, strict=True):
+        assert C.same_motion(D)
+
+
+@law("conic_through", kinds=("float", "fraction"), p="pose", q="pose", r="pose")
+def test_conics_pass_through_their_poses(p, q, r):
+    C = conic_through(p, q, r)
+    for t, pose in ((math.inf, p), (0, q), (1, r)):
+        assert_same_poses(C(t), pose, rtol=1e-7)
+    assert np.all(C.is_motion(rtol=1e-7))
+
+
+def test_cubics_pass_through_their_poses():
+    poses = four()
+    for C in cubics_through(*poses, free=0.3):
+        for t, pose in ((math.inf, poses[0]), (0, poses[1]), (1, poses[2])):
+            assert_same_poses(C(t), pose)
+        assert C.is_motion()
+
+
+@law("study_eigenvalues", kinds=("float",), p="pose", q="pose", r="pose", f="pose", g="pose")
+def test_study_eigenvalues_belong_to_the_three_displacements(p, q, r, f, g):
+    values = study_eigenvalues(p, q, r)
+    assert values.shape == (*p.shape, 3)
+    assert_same(study_eigenvalues(f * p * g, f * q * g, f * r * g), values, rtol=1e-6)
+    assert_same(study_eigenvalues(r, p, q), values, rtol=1e-6)
+    first, _ = dyads_through_poses(p, q, r)
+    distance, angle = first.axes[0].distance(first.axes[1]), first.axes[0].angle(first.axes[1])
+    assert_same(distance**2, -values[..., 0] * values[..., 2], rtol=1e-6)
+    assert_same(distance / np.sin(angle), (values[..., 2] - values[..., 0]) / 2, rtol=1e-6)
+
+
+# --- functions that work row by row -----------------------------------------------------------------------------
+
+ROWWISE = [
+    Rowwise(("DualQuaternion",), lambda q, r: q * r, ("dual_quaternion", "dual_quaternion")),
+    Rowwise(("DualQuaternion",), lambda q: q.inverse(), ("dual_quaternion",)),
+    Rowwise(("DualQuaternion",), lambda q: q.norm(), ("dual_quaternion",)),
+    Rowwise(("study_form",), study_form, ("dual_quaternion", "dual_quaternion")),
+    Rowwise(("null_form",), null_form, ("dual_quaternion", "dual_quaternion")),
+    Rowwise(("act",), act, ("pose", "point")),
+    Rowwise(("act",), act, ("pose", "line")),
+    Rowwise(("as_matrix",), lambda q: _flat(as_matrix(q)), ("pose",)),
+    Rowwise(("translation",), translation, ("vector",)),
+    Rowwise(("rotation",), rotation, ("line", "angle"), exact=False),
+    Rowwise(("half_turn",), half_turn, ("line",)),
+    Rowwise(("unit",), unit, ("pose",), exact=False),
+    Rowwise(("axis_of",), axis_of, ("rotation",), exact=False),
+    Rowwise(("study_projection",), study_projection, ("dual_quaternion",)),
+    Rowwise(("Line",), lambda line, x: DualQuaternion(_padded(line.foot(x))), ("line", "point")),
+    Rowwise(("Line",), lambda a, b: a.angle(b), ("line", "line")),
+    Rowwise(("Line",), lambda a, b: a.distance(b), ("line", "line")),
+    Rowwise(
+        ("common_perpendicular",),
+        lambda a, b: [DualQuaternion(_padded(x)) for x in common_perpendicular(a, b)],
+        ("line", "line"),
+    ),
+    Rowwise(("same_point",), same_point, ("dual_quaternion", "dual_quaternion")),
+    Rowwise(("MotionPolynomial",), lambda C, D: C * D, ("polynomial", "polynomial")),
+    Rowwise(("MotionPolynomial",), lambda C, t: C(t), ("polynomial", "scalar")),
+    Rowwise(("linear_factor",), linear_factor, ("rotation",)),
+    Rowwise(("bennett_flip",), bennett_flip, ("rotation", "rotation")),
+    Rowwise(("Dyad",), lambda dyad, s, t: dyad(s, t), ("dyad", "scalar", "scalar")),
+    Rowwise(("Dyad",), lambda dyad, s, t: list(dyad.parameters(dyad(s, t))), ("dyad", "scalar", "scalar")),
+    Rowwise(("conic_through",), conic_through, ("pose", "pose", "pose")),
+]
+rowwise = pytest.mark.parametrize("call", ROWWISE, ids=lambda call: "-".join((*call.names, *call.takes)))
+
+
+def _flat(matrix) -> DualQuaternion:
+    """The twelve numbers of a matrix in two dual quaternions, so that the batch is what is left."""
+    rows = matrix[..., :3, :]
+    return [DualQuaternion(np.concatenate([rows[..., n, :], rows[..., n, :]], axis=-1)) for n in range(3)]
+
+
+def _padded(vectors) -> np.ndarray:
+    return np.concatenate([vectors, np.zeros((*np.shape(vectors)[:-1], 5), dtype=int)], axis=-1)
+
+
+@rowwise
+@pytest.mark.parametrize("kind", ["float", "fraction"])
+@pytest.mark.parametrize("shape", SHAPES[1:])
+def test_a_batch_is_its_rows(call, kind, shape):
+    arguments = call.draw(kind, shape)
+    together = call.function(*arguments)
+    for index in np.ndindex(*shape):
+        alone = call.function(*[row(x, index) for x in arguments])
+        for x, y in zip([x for x, _ in arrays_of(alone)], row_of(together, shape, index), strict=True):
+            assert_same_numbers(x, y)
+
+
+@rowwise
+def test_arguments_broadcast(call):
+    if len(call.takes) < 2:
+        pytest.skip("one argument")
+    first, *others = call.draw("float", (3, 1, 2))
+    small = call.draw("float", (2,))[1:]
+    wide = call.function(first, *small)
+    for index in np.ndindex(3, 1, 2):
+        alone = call.function(row(first, index), *[row(x, index[-1:]) for x in small])
+        for x, y in zip([x for x, _ in arrays_of(alone)], row_of(wide, (3, 1, 2), index), strict=True):
+            assert_same_numbers(x, y)
+
+
+@rowwise
+@pytest.mark.parametrize("kind", EXACT)
+def test_exact_numbers_say_the_same_as_floats(call, kind):
+    if not call.exact:
+        pytest.skip("floats by nature")
+    arguments = call.draw(kind)
+    exact, floats = call.function(*arguments), call.function(*[in_floats(x) for x in arguments])
+    for (x, _), (y, _) in zip(arrays_of(exact), arrays_of(floats), strict=True):
+        assert_same_numbers(np.asarray(x).astype(float), np.asarray(y).astype(float), rtol=1e-7)
+
+
+@rowwise
+def test_a_nan_row_stays_a_row(call):
+    shape, spoiled = (3,), (1,)
+    first, *others = call.draw("float", shape)
+    expected = call.function(first, *others)
+    with np.errstate(all="ignore"):
+        try:
+            found = call.function(with_nan(first, spoiled), *others)
+        except ValueError as error:  # refused, but then with the row
+            assert "row" in str(error)
+            assert "1" in str(error)
+            return
+    for index in ((0,), (2,)):
+        for x, y in zip(row_of(found, shape, index), row_of(expected, shape, index), strict=True):
+            assert_same_numbers(x, y)
+    middle = np.concatenate([np.ravel(x) for x in row_of(found, shape, spoiled)])
+    assert middle.dtype.kind == "b" or np.isnan(middle).any()
+
+
+# --- none is left out -------------------------------------------------------------------------------------------
+
+
+def test_every_public_name_has_a_law():
+    COVERED.update(name for call in ROWWISE for name in call.names)
+    kinds_of_arguments = {name for name in kinlib.__all__ if not callable(getattr(kinlib, name)) or _is_alias(name)}
+    assert sorted(set(kinlib.__all__) - COVERED - kinds_of_arguments) == []
+
+
+def _is_alias(name: str) -> bool:
+    return hasattr(kinlib, "typing") and name in kinlib.typing.__all__
