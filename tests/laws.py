@@ -17,8 +17,17 @@ import numpy as np
 import pytest
 
 from kinlib import (
-    DualQuaternion, Dyad, Line, Linkage, MotionPolynomial, RationalCurve, TwoRSpace, same_point, square_root,
-    translation, unit,
+    DualQuaternion,
+    Dyad,
+    Line,
+    Linkage,
+    MotionPolynomial,
+    RationalCurve,
+    TwoRSpace,
+    same_point,
+    square_root,
+    translation,
+    unit,
 )  # fmt: skip
 
 SHAPES = ((), (1,), (3, 1, 2))
@@ -167,7 +176,17 @@ def assert_same(actual, expected, *, rtol: float = 1e-9) -> None:
         assert_same_numbers(x, y, rtol=rtol)
 
 
+def assert_zero(x, scale=1.0, *, rtol: float = 1e-9) -> None:
+    """Zero for exact numbers; for floats, as compared with numbers of the given scale."""
+    x = np.asarray(x)
+    if x.dtype == object:
+        assert all(_is_zero(n) for n in x.flat), f"{x} is not zero"
+    else:
+        assert np.abs(x).max(initial=0) <= rtol * np.abs(np.asarray(scale, dtype=float)).max(initial=0)
+
+
 def assert_same_numbers(x, y, *, rtol: float = 1e-9) -> None:
+    """As :func:`assert_same`, for arrays."""
     x, y = np.broadcast_arrays(np.asarray(x), np.asarray(y))
     if x.dtype == object and y.dtype == object and not any(isinstance(n, float) for n in (*x.flat, *y.flat)):
         assert all(_is_zero(a - b) for a, b in zip(x.flat, y.flat, strict=True)), f"{x} ≠ {y}"
@@ -197,7 +216,7 @@ def assert_same_linkages(first, second, *, length: float = 1.0, rtol: float = 1e
         pairs = [(a.h1, b.h1), (a.h2, b.h2)] if isinstance(a, Dyad) else list(zip(a.factors, b.factors, strict=True))
         for f, g in pairs:
             scale = np.array([1.0] * 4 + [length] * 4)
-            assert_same_numbers(np.asarray(f.coeffs, dtype=float) / scale, np.asarray(g.coeffs, dtype=float) / scale, rtol=rtol)
+            assert_same_numbers(*(q.coeffs.astype(float) / scale for q in (f, g)), rtol=rtol)
         assert_same_poses(a.home.astype(float), b.home.astype(float), length=length, rtol=rtol)
         if isinstance(a, Linkage):
             assert a.joints == b.joints

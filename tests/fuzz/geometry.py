@@ -259,7 +259,7 @@ def _right_factor(c1, c0, root) -> list:
 def _turns(k1, k2, q) -> tuple:
     """The s1, s2 with (s1 − k1)(s2 − k2) in the orientation of q."""
     rows = [[mp.mpf(1), 0, 0, 0], k1[:4], k2[:4], _hamilton(k1[:4], k2[:4])]
-    x0, x1, x2, x3 = mp.lu_solve(mp.matrix(rows).T, mp.matrix(q[:4]))
+    _, x1, x2, x3 = mp.lu_solve(mp.matrix(rows).T, mp.matrix(q[:4]))
     return -x2 / x3, -x1 / x3
 
 
