@@ -235,7 +235,7 @@ def test_the_study_projection(q, p, x):
     assert_same_poses(study_projection(p), p)
 
 
-@law("as_pose", kinds=("float", "fraction"), q="pose", r="pose")
+@law("as_pose", lengths=(), q="pose", r="pose")
 def test_what_is_computed_from_poses_is_a_pose(q, r):
     for computed in (q * q.inverse(), q * r.inverse(), q * r * q * r, translation([1000, 0, 0]) * q):
         assert_same_poses(as_pose(computed), computed, length=1000.0)
@@ -293,7 +293,9 @@ def test_parallel_lines_have_a_distance(line, v):
     across = v - (v * line.direction).sum(-1, keepdims=True) * line.direction / (line.direction**2).sum(
         -1, keepdims=True
     )
-    assert_same(np.asarray(line.distance(other), dtype=float) ** 2, np.asarray((across**2).sum(-1), dtype=float), rtol=1e-7)
+    assert_same(
+        np.asarray(line.distance(other), dtype=float) ** 2, np.asarray((across**2).sum(-1), dtype=float), rtol=1e-7
+    )
 
 
 # --- projective geometry ----------------------------------------------------------------------------------------
@@ -797,7 +799,7 @@ def test_arguments_broadcast(call):
     if len(call.takes) < 2:
         pytest.skip("one argument")
     first = call.draw("float", (3, 1, 2))[0]
-    small = call.draw("float", (2,))[1:]
+    small = call.draw("float", (2,), seed=1)[1:]
     wide = call.function(first, *small)
     for index in np.ndindex(3, 1, 2):
         alone = call.function(row(first, index), *[row(x, index[-1:]) for x in small])
