@@ -186,9 +186,8 @@ def of_z(poses, z) -> dict:
     except (ZeroDivisionError, NoConvergence):
         return measures
     for sA, sB in planes:
-        for u in ([a + 1j for a in sA], [a - 1j for a in sA]):  # the axis may point either way
-            for name, measure in _of_plane(z, sB, u).items():
-                measures[name] = min(measures.get(name, 1.0), float(measure))
+        for name, measure in _of_plane(z, sB, [a + 1j for a in sA]).items():
+            measures[name] = min(measures.get(name, 1.0), float(measure))
     return measures
 
 
@@ -225,7 +224,8 @@ def _corner(sB, u):
 def _planes(seen) -> list:
     """The parameters (s_A, s_B) of both poses for each of the four joints that may turn twice.
 
-    The dyads are found from the conic: its norm has two quadratic factors, and each order of them gives one.
+    The dyads are found from the conic: its norm has two quadratic factors, and each order of them gives one.  The
+    half-turns point so that the parameters increase from the second pose to the third, as kinlib documents.
     """
     one, q1, q2 = seen
     b01, b02, b12 = _study(one, q1), _study(one, q2), _study(q1, q2)

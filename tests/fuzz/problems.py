@@ -299,16 +299,17 @@ def badly_placed(place):
 
     With s_A, s_B for the parameters of a pose and u = s_A + √−1 the partner z2 of z1 has
     Im (s_B − z1)(s_B − z2) u = 0 for both poses; the triangle has the corners s_B of both poses and the meeting
-    point of the two lines Im (s_B − z) u = 0.
+    point of the two lines Im (s_B − z) u = 0.  The parameters increase, since half-turns point so.
     """
 
     def make(random, n, s):
         hA, hB = half_turns(random, n), half_turns(random, n)
-        sA, sB = random.normal(size=(2, 2, n))
+        sA, sB = np.sort(random.normal(size=(2, 2, n)), axis=1)
         poses = [np.tile([1.0, 0, 0, 0, 0, 0, 0, 0], (n, 1))]
         poses += [of_unit_length(compose(factor(a, hA), factor(b, hB))) for a, b in zip(sA, sB, strict=True)]
         z = place(random, sB, sA + 1j, s * random.choice([-1, 1], n))
-        z = np.where(random.integers(0, 2, n), z, z.conj())  # which way the axis points is up to kinlib
+        inverted = random.integers(0, 2, n)[:, None].astype(bool)  # then A is the moving axis
+        poses = [np.where(inverted, inverse(p), p) for p in poses]
         return {"poses": in_any_frames(random, np.array(poses)), "z": z}
 
     return make
