@@ -63,5 +63,5 @@ class Report:
         for (function, band, distribution), found in sorted(kinds.items()):
             lines.append(f"{function}: {band}: {distribution}: {len(found)}")
             for outcome in sorted(found, key=lambda outcome: -outcome.excess)[:show]:
-                lines.append(f"    --seed {seed} --replay {outcome.name!r}: {outcome.detail[:200]}")
+                lines.append(f"    --seed {seed} --replay {outcome.name!r}: {outcome.detail[:500]}")
         return "\n".join(lines)
