@@ -72,6 +72,7 @@ def jobs_of(block: Block) -> tuple[Job, ...]:
 def try_block(block: Block) -> list[Outcome]:
     """All outcomes of a block."""
     frame = frame_of(block.poses)
+    _MEASURED.clear()
     with warnings.catch_warnings(), np.errstate(all="ignore"):
         warnings.simplefilter("ignore")
         return [outcome for job in jobs_of(block) for outcome in _try_job(job, block, frame)]
@@ -143,21 +144,31 @@ def _single(job: Job, block: Block, frame: Frame, row: int, batch=None) -> Outco
 
 def _refused(job: Job, block: Block, frame: Frame, row: int, message: str, batch) -> Outcome:
     name = f"{block.name}/{row}"
-    poses = block.poses[:, row]
-    if block.z is not None:
-        measures = geometry.of_z(poses, complex(block.z[row]))
-    elif len(poses) == 4:
-        measures = geometry.of_four_poses(poses, 0 if block.free is None else float(block.free[row]))
-    else:
-        measures = geometry.of_three_poses(poses)
-    measures["exact"] = 0.0 if block.exact else 1.0
     if batch is not None and batch[1] and batch[0] > 1:
         return Outcome(name, job.function, "wrong", f"in a batch {batch[3]}; alone: {message}", batch[0])
     if batch is not None and batch[2]:
         return Outcome(name, job.function, "uneven", f"answered in a batch; alone: {message}", batch[0])
     reach = float(frame.reach[row] / max(frame.length[row], 1e-300))
-    truth, why = geometry.is_true(message, measures, reach)
+    truth, why = geometry.is_true(message, _measures(block, row), reach)
     return Outcome(name, job.function, "refused truly" if truth else "refused falsely", f"{message} [{why}]")
+
+
+def _measures(block: Block, row: int) -> dict:
+    """How near a problem is to each degeneracy; found once, though several functions may ask."""
+    key = (block.name, row)
+    if key not in _MEASURED:
+        poses = block.poses[:, row]
+        if block.z is not None:
+            found = geometry.of_z(poses, complex(block.z[row]))
+        elif len(poses) == 4:
+            found = geometry.of_four_poses(poses, 0 if block.free is None else float(block.free[row]))
+        else:
+            found = geometry.of_three_poses(poses)
+        _MEASURED[key] = {**found, "exact": 0.0 if block.exact else 1.0}
+    return _MEASURED[key]
+
+
+_MEASURED: dict = {}
 
 
 def _call(job: Job, block: Block, rows, **options):
