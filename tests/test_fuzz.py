@@ -11,7 +11,8 @@ import pytest
 from tests.fuzz import geometry, matrices
 from tests.fuzz.fixed_point import ONE, fixed, product, ratio
 from tests.fuzz.judge import RTOL, frame_of, judge_dyad, judge_linkage
-from tests.fuzz.problems import CELLS, compose, factor, inverse, of_unit_length, plain, pose, quaternions
+from tests.fuzz.poses import compose, factor, inverse, of_unit_length, pose, quaternions
+from tests.fuzz.problems import CELLS, plain
 from tests.fuzz.run import attempt, tasks_of
 from tests.fuzz.trial import GOOD
 

@@ -28,7 +28,7 @@ from tests.fuzz.fixed_point import (
     turn_of,
     value,
 )
-from tests.fuzz.problems import compose, inverse, of_unit_length
+from tests.fuzz.poses import compose, inverse, of_unit_length
 
 RTOL = 1e-9
 ROUNDING = 64 * 2.0**-53  # 7e-15
