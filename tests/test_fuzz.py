@@ -10,8 +10,8 @@ import pytest
 
 from tests.fuzz import geometry, matrices
 from tests.fuzz.fixed_point import ONE, fixed, product, ratio
-from tests.fuzz.judge import RTOL, frame_of, judge_dyad, judge_linkage
-from tests.fuzz.poses import compose, factor, inverse, of_unit_length, pose, quaternions
+from tests.fuzz.judge import RTOL, frame_of, judge_dyad, judge_linkage, judge_motion
+from tests.fuzz.poses import compose, factor, inverse, of_unit_length, pose, quaternions, study_form
 from tests.fuzz.problems import CELLS, plain
 from tests.fuzz.run import attempt, tasks_of
 from tests.fuzz.trial import GOOD
@@ -173,6 +173,23 @@ def test_a_dyad_contains_its_poses_and_no_others(tilt):
     assert judge_dyad(h1, h2, home, poses, frame).right[0]
     assert not judge_dyad(displaced(h1, small_shift(1e-6)), h2, home, poses, frame).right[0]
     assert not judge_dyad(h2, h1, home, poses, frame).right[0]
+
+
+def conic(poses):
+    """The coefficients of the conic at ∞, 0 and 1, from p0 t (t − 1) − (b02/b12) (t − 1) p1 + (b01/b12) t p2."""
+    p0, p1, p2 = poses
+    q1, q2 = p1 * (study_form(p0, p2) / study_form(p1, p2)), p2 * (study_form(p0, p1) / study_form(p1, p2))
+    return [p0, q2 - q1 - p0, q1]
+
+
+def test_a_motion_passes_through_its_poses_and_through_no_others():
+    poses = plain(3)(np.random.default_rng(2), 1, None)
+    frame = frame_of(poses)
+    assert judge_motion(conic(poses), poses, frame).right[0]
+    assert not judge_motion(conic(poses), poses[[0, 2, 1]], frame).right[0]
+    first, second, third = conic(poses)
+    off = judge_motion([first, second + 1e-6 * np.eye(8)[4], third], poses, frame)
+    assert off.parts["off the Study quadric"][0] > 1
 
 
 # --- refusals ---------------------------------------------------------------------------------------------------

@@ -218,6 +218,21 @@ def _apart(factors, joints, frame: Frame, reach) -> np.ndarray:
     return worst
 
 
+def judge_motion(coefficients, poses, frame: Frame) -> Verdict:
+    """Whether motion polynomials pass through the first three poses at ∞, 0 and 1, and never leave the Study quadric.
+
+    The parameter of a fourth pose is not part of a polynomial; the 6R linkages of a cubic know it.
+    """
+    polynomial = [fixed(c.T) for c in coefficients]
+    middle, parts = fixed(frame.middle.T), {}
+    for number, (t, pose) in enumerate(zip((None, 0, ONE), poses, strict=False)):
+        reached = polynomial[0] if t is None else value(polynomial, t)
+        parts[f"pose {number} missed"] = _gap(reached, fixed(pose.T), middle, frame, frame.reach)
+    allowed = RTOL * frame.length + ROUNDING * frame.reach
+    between = [_off_the_quadric(value(polynomial, t * ONE // 4)) / allowed for t in (-9, -2, 1, 3, 11, 40)]
+    return _verdict({**parts, "off the Study quadric": np.max(between, axis=0)})
+
+
 def judge_dyad(h1, h2, home, poses, frame: Frame) -> Verdict:
     """Whether open chains of two turns reach the poses; h1, h2, home of shape (n, 8)."""
     h = [fixed(x.T) for x in (h1, h2)]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import signal
 import warnings
+from collections.abc import Callable
 from dataclasses import dataclass
 from fractions import Fraction
 
@@ -11,7 +12,7 @@ import numpy as np
 
 import kinlib
 from tests.fuzz import geometry
-from tests.fuzz.judge import Frame, frame_of, judge_dyad, judge_linkage
+from tests.fuzz.judge import Frame, frame_of, judge_dyad, judge_linkage, judge_motion
 from tests.fuzz.problems import Block
 
 BANDS = ("right", "refused truly", "refused falsely", "wrong", "NaN", "uneven", "crash")
@@ -32,13 +33,27 @@ class Outcome:
 
 
 @dataclass(frozen=True)
+class Found:
+    """One row of an answer: the worst gap, how many of its parts are numbers, and which gap is worst."""
+
+    excess: float
+    defined: int
+    parts: int
+    text: str
+
+    @property
+    def whole(self) -> bool:
+        return self.defined == self.parts
+
+
+@dataclass(frozen=True)
 class Job:
-    """One public function: how it is called, and which parts its answer has."""
+    """One public function: how it is called, what its answer is made of, and each how manieth problem it is given."""
 
     function: str
-    call: callable
-    dyads: bool = False
-    batches: bool = True
+    call: Callable
+    kind: str = "linkages"
+    stride: int = 1
 
 
 def _bennett(poses, z, free, **options):
@@ -57,7 +72,17 @@ def _six_r(poses, z, free, **options):
     return kinlib.six_r_linkages(*poses, **({} if free is None else {"free": free}), **options)
 
 
-DYADS = Job("dyads_through_poses", _dyads, dyads=True)
+def _conic(poses, z, free, **options):
+    return (kinlib.conic_through(*poses, **options),)
+
+
+def _cubics(poses, z, free, **options):
+    return kinlib.cubics_through(*poses, **({} if free is None else {"free": free}), **options)
+
+
+DYADS = Job("dyads_through_poses", _dyads, "dyads")
+CONIC = Job("conic_through", _conic, "motions", 8)
+CUBICS = Job("cubics_through", _cubics, "motions", 8)
 BENNETT = Job("bennett_linkage", _bennett)
 GOLDBERG = Job("goldberg_linkages", _goldberg)
 SIX_R = Job("six_r_linkages", _six_r)
@@ -65,8 +90,8 @@ SIX_R = Job("six_r_linkages", _six_r)
 
 def jobs_of(block: Block) -> tuple[Job, ...]:
     if len(block.poses) == 4:
-        return (SIX_R,)
-    return (DYADS, BENNETT) if block.z is None else (GOLDBERG,)
+        return (SIX_R, CUBICS)
+    return (DYADS, BENNETT, CONIC) if block.z is None else (GOLDBERG,)
 
 
 def try_block(block: Block) -> list[Outcome]:
@@ -79,7 +104,7 @@ def try_block(block: Block) -> list[Outcome]:
 
 
 def _try_job(job: Job, block: Block, frame: Frame) -> list[Outcome]:
-    rows = np.arange(block.poses.shape[1])
+    rows = np.arange(0, block.poses.shape[1], job.stride)
     answer = None if block.exact else _in_a_batch(job, block)
     if isinstance(answer, Outcome):
         return [answer, *(_single(job, block, frame, row) for row in rows)]
@@ -88,16 +113,16 @@ def _try_job(job: Job, block: Block, frame: Frame) -> list[Outcome]:
     verdict = _judge(job, answer, block.poses, frame)
     outcomes = []
     for row in rows:
-        excess, defined, whole, text = verdict(row)
-        if not whole or row % 16 == 0:
-            outcomes.append(_single(job, block, frame, row, batch=(excess, defined, whole, text)))
+        found = verdict(row)
+        if not found.whole or row % 16 == 0:
+            outcomes.append(_single(job, block, frame, row, batch=found))
         else:
-            outcomes.append(_sorted(job, f"{block.name}/{row}", excess, text))
+            outcomes.append(_sorted(job, f"{block.name}/{row}", found))
     return outcomes
 
 
-def _sorted(job: Job, name: str, excess: float, text: str) -> Outcome:
-    return Outcome(name, job.function, "right" if excess <= 1 else "wrong", text, excess)
+def _sorted(job: Job, name: str, found: Found) -> Outcome:
+    return Outcome(name, job.function, "right" if found.excess <= 1 else "wrong", found.text, found.excess)
 
 
 NO_BATCHES = set()
@@ -134,20 +159,21 @@ def _single(job: Job, block: Block, frame: Frame, row: int, batch=None) -> Outco
         return Outcome(name, job.function, "crash", f"not done after {SECONDS} s")
     except Exception as error:
         return Outcome(name, job.function, "crash", f"{type(error).__name__}: {error}")
-    excess, _, whole, text = _judge(job, answer, block.poses[:, one], frame[one])(0)
-    if not whole:
+    found = _judge(job, answer, block.poses[:, one], frame[one])(0)
+    if not found.whole:
         return Outcome(name, job.function, "NaN", "NaN where an error is asked for", np.inf)
-    if batch is not None and (not batch[2] or (excess <= 1) != (batch[0] <= 1)) and excess <= 1:
-        return Outcome(name, job.function, "uneven", f"right alone, in a batch {batch[3] or 'NaN'}", excess)
-    return _sorted(job, name, excess, text)
+    if batch is not None and found.excess <= 1 and (batch.defined != found.defined or batch.excess > 1):
+        text = f"right alone; in a batch {batch.defined} of {found.defined} parts: {batch.text}"
+        return Outcome(name, job.function, "uneven", text, found.excess)
+    return _sorted(job, name, found)
 
 
 def _refused(job: Job, block: Block, frame: Frame, row: int, message: str, batch) -> Outcome:
     name = f"{block.name}/{row}"
-    if batch is not None and batch[1] and batch[0] > 1:
-        return Outcome(name, job.function, "wrong", f"in a batch {batch[3]}; alone: {message}", batch[0])
-    if batch is not None and batch[2]:
-        return Outcome(name, job.function, "uneven", f"answered in a batch; alone: {message}", batch[0])
+    if batch is not None and batch.defined and batch.excess > 1:
+        return Outcome(name, job.function, "wrong", f"in a batch {batch.text}; alone: {message}", batch.excess)
+    if batch is not None and batch.whole:
+        return Outcome(name, job.function, "uneven", f"answered in a batch; alone: {message}", batch.excess)
     reach = float(frame.reach[row] / max(frame.length[row], 1e-300))
     truth, why = geometry.is_true(message, _measures(block, row), reach)
     return Outcome(name, job.function, "refused truly" if truth else "refused falsely", f"{message} [{why}]")
@@ -214,7 +240,7 @@ class _Limited:
 
 
 def _judge(job: Job, answer, poses, frame: Frame):
-    """A function of the row: its worst gap, whether any part is defined and whether all are, and what is worst."""
+    """A function of the row: what was found of the parts of its answer."""
     n = poses.shape[1]
     results = [_judge_part(job, part, poses, frame, n) for part in answer]
 
@@ -225,30 +251,33 @@ def _judge(job: Job, answer, poses, frame: Frame):
             if not verdict.excess[place[row]] <= excess:
                 excess = float(verdict.excess[place[row]])
                 text = f"part {number}: {verdict.worst(place[row])}"
-        return excess, bool(defined), len(defined) == len(results), text
+        return Found(excess, len(defined), len(results), text)
 
     return of
 
 
 def _judge_part(job: Job, part, poses, frame: Frame, n: int):
-    """Which rows of a dyad or linkage are finite, and the verdict on these."""
-    if job.dyads:
-        arrays = [_rows(x, n) for x in (part.h1, part.h2, part.home)]
-        parameters = []
-    else:
-        arrays = [_rows(x, n) for x in (*part.factors, part.home)]
-        parameters = [_numbers(t, n) for t in part.parameters]
+    """Which rows of a dyad, a motion or a linkage are finite, and the verdict on these."""
+    arrays = [_rows(x, n) for x in _dual_quaternions(job, part)]
+    parameters = [_numbers(t, n) for t in part.parameters] if job.kind == "linkages" else []
     finite = np.all([_finite(x) for x in arrays], axis=0) & ~np.any([_is_nan(t) for t in parameters] or [False], axis=0)
-    finite = finite & np.ones(n, dtype=bool)
     place = np.cumsum(finite) - 1
     if not finite.any():
         return finite, None, place
     arrays, parameters = [x[finite] for x in arrays], [t[finite] for t in parameters]
     poses, frame = poses[:, finite], frame[finite]
-    if job.dyads:
+    if job.kind == "dyads":
         return finite, judge_dyad(*arrays, poses, frame), place
+    if job.kind == "motions":
+        return finite, judge_motion(arrays, poses, frame), place
     *factors, home = arrays
     return finite, judge_linkage(factors, part.joints, part.coupler, home, parameters, poses, frame), place
+
+
+def _dual_quaternions(job: Job, part) -> tuple:
+    if job.kind == "dyads":
+        return part.h1, part.h2, part.home
+    return part.coefficients if job.kind == "motions" else (*part.factors, part.home)
 
 
 def _rows(q, n: int) -> np.ndarray:
