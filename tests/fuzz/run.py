@@ -51,17 +51,33 @@ def attempt(task) -> list[Outcome]:
 
 
 def run(tasks, workers: int) -> list[Outcome]:
-    """All outcomes; tells on the way how long it will take."""
-    total, done, outcomes, start, told = sum(task[3] for task in tasks), 0, [], time.time(), 0.0
+    """All outcomes; tells on the way how long it will take, and gives what there is when it is interrupted."""
+    total, outcomes, clock = sum(task[3] for task in tasks), [], Clock()
+    names = set()
     with get_context("spawn").Pool(workers) as pool:
-        for found in pool.imap_unordered(attempt, tasks):
-            outcomes += found
-            done += len({outcome.name for outcome in found if not outcome.name.endswith(":")})
-            if time.time() - told > 5 and done:
-                told = time.time()
-                left = (told - start) * (total - done) / done
-                bad = sum(outcome.band not in GOOD for outcome in outcomes)
-                text = f"\r{done} of {total} problems, {bad} bad, {left / 60:.1f} min left "
-                print(text, end="", file=sys.stderr, flush=True)
-    print(f"\r{done} problems in {(time.time() - start) / 60:.1f} min on {workers} workers" + " " * 20, file=sys.stderr)
+        try:
+            for found in pool.imap_unordered(attempt, tasks):
+                outcomes += found
+                names.update(outcome.name for outcome in found if not outcome.name.endswith(":"))
+                clock.tell(len(names), total, sum(outcome.band not in GOOD for outcome in outcomes))
+        except KeyboardInterrupt:
+            print("\ninterrupted", file=sys.stderr)
+    print(f"\n{len(names)} problems in {clock.minutes():.1f} min, {workers} workers", file=sys.stderr)
     return outcomes
+
+
+class Clock:
+    """Tells every few seconds how far things are."""
+
+    def __init__(self):
+        self.start = self.told = time.time()
+
+    def minutes(self) -> float:
+        return (time.time() - self.start) / 60
+
+    def tell(self, done: int, total: int, bad: int) -> None:
+        if time.time() - self.told > 5 and done:
+            self.told = time.time()
+            left = self.minutes() * (total - done) / done
+            text = f"\r{done} of {total} problems, {bad} bad, {left:.1f} min left   "
+            print(text, end="", file=sys.stderr, flush=True)
