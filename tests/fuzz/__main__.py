@@ -3,7 +3,7 @@
 python -m tests.fuzz                                    all, about a quarter of an hour on two cores
 python -m tests.fuzz --triples 3000 --quadruples 300    a short run
 python -m tests.fuzz --only "near planar" --out table.md
-python -m tests.fuzz --replay "near planar/1e-06/0/17"  one problem again, in full
+python -m tests.fuzz --replay "3/near planar/1e-06/0/17"  one problem again, in full
 """
 
 from __future__ import annotations
@@ -48,7 +48,7 @@ def _options(arguments):
     parser.add_argument("--only", default="", metavar="WORD", help="distributions whose names contain the word")
     parser.add_argument("--out", metavar="FILE", help="write the whole table, in Markdown")
     parser.add_argument("--show", type=int, default=3, metavar="N", help="failures to print for each kind")
-    parser.add_argument("--replay", metavar="NAME", help="one problem: distribution/distance/block/row")
+    parser.add_argument("--replay", metavar="NAME", help="one problem: count/distribution/distance/block/row")
     return parser.parse_args(arguments)
 
 

@@ -174,7 +174,7 @@ def _gap_of_eigenvalues(seen) -> float:
     S, N = (mp.matrix(3, 3) for _ in "SN")
     for m, n in product(range(3), repeat=2):
         S[m, n], N[m, n] = _study(seen[m], seen[n]), _null(seen[m], seen[n])
-    if mp.det(N) == 0:
+    if abs(_determinant(N)) < mp.mpf(10) ** -90:
         return 0.0
     A = mp.inverse(N) * S
     middle = (A[0, 0] + A[1, 1] + A[2, 2]) / 3
@@ -182,9 +182,15 @@ def _gap_of_eigenvalues(seen) -> float:
     square = sum(B[m, n] * B[n, m] for m, n in product(range(3), repeat=2)) / 6
     if square <= 0:
         return 0.0
-    angle = mp.acos(max(-1, min(1, mp.det(B) / (2 * square * mp.sqrt(square))))) / 3  # the roots by cosines
+    angle = mp.acos(max(-1, min(1, _determinant(B) / (2 * square * mp.sqrt(square))))) / 3  # the roots by cosines
     low, mean, high = sorted(mp.cos(angle + 2 * mp.pi * n / 3) for n in range(3))
     return float(min(high - mean, mean - low) / (high - low))
+
+
+def _determinant(M):
+    """Of a 3×3 matrix; mpmath's own stumbles over singular ones."""
+    rows = [[M[m, n] for n in range(3)] for m in range(3)]
+    return sum(x * y for x, y in zip(rows[0], _cross(rows[1], rows[2]), strict=True))
 
 
 # --- the plane of z ---------------------------------------------------------------------------------------------
@@ -195,12 +201,11 @@ def of_z(poses, z) -> dict:
     measures = of_three_poses(poses)
     z = mp.mpc(_exactly(z.real), _exactly(z.imag))
     try:
-        planes = _planes(Poses(poses).seen)
-    except (ZeroDivisionError, NoConvergence):
-        return measures
-    for sA, sB in planes:
-        for name, measure in _of_plane(z, sB, [a + 1j for a in sA]).items():
-            measures[name] = min(measures.get(name, 1.0), float(measure))
+        for sA, sB in _planes(Poses(poses).seen):
+            for name, measure in _of_plane(z, sB, [a + 1j for a in sA]).items():
+                measures[name] = min(measures.get(name, 1.0), float(measure))
+    except (ZeroDivisionError, NoConvergence):  # the poses themselves have no plane
+        pass
     return measures
 
 

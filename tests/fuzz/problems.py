@@ -2,7 +2,7 @@
 
 A *cell* is a distribution at one distance from what is degenerate about it.  Problems come in blocks; a block
 depends only on the seed, its cell and its number, so that each problem can be made again by its name
-``distribution/distance/block/row``.
+``count of poses/distribution/distance/block/row``.
 """
 
 from __future__ import annotations
@@ -76,7 +76,7 @@ class Cell:
 
     @property
     def name(self) -> str:
-        return f"{self.distribution}/{'-' if self.distance is None else f'{self.distance:.0e}'}"
+        return f"{self.count}/{self.distribution}/{'-' if self.distance is None else f'{self.distance:.0e}'}"
 
     def block(self, seed: int, number: int, rows: int) -> Block:
         """Block ``number`` with so many problems."""

@@ -21,7 +21,7 @@ class Report:
         self.cells = defaultdict(Counter)
         self.worst = defaultdict(float)
         for outcome in outcomes:
-            distribution, distance = outcome.name.split("/")[:2]
+            distribution, distance = outcome.name.split("/")[1:3]
             key = (outcome.function, distribution, distance)
             self.cells[key][outcome.band] += 1
             if math.isfinite(outcome.excess):
@@ -58,7 +58,7 @@ class Report:
         kinds = defaultdict(list)
         for outcome in self.outcomes:
             if outcome.band not in GOOD:
-                kinds[outcome.function, outcome.band, outcome.name.split("/")[0]].append(outcome)
+                kinds[outcome.function, outcome.band, outcome.name.split("/")[1]].append(outcome)
         lines = [] if kinds else ["no failures"]
         for (function, band, distribution), found in sorted(kinds.items()):
             lines.append(f"{function}: {band}: {distribution}: {len(found)}")
