@@ -24,6 +24,7 @@ from kinlib import (
     axis_of,
     bennett_flip,
     bennett_linkage,
+    binary_roots,
     common_perpendicular,
     conic_through,
     eps,
@@ -327,6 +328,13 @@ def test_a_quadric_restricted_to_a_subspace(points, s):
     assert_same(section.form(s, s), study_form(x, x))
     assert isinstance(section, Quadric)
     assert section.rank() == 3
+
+
+@law("binary_roots", kinds=("float", "fraction"), shapes=((),), a="scalar", b="scalar", r="scalar", s="scalar")
+def test_binary_roots_are_roots(a, b, r, s):
+    form = a * r, -(a * s + b * r) / 2, b * s  # (a x − b y)(r x − s y)
+    for x, y in binary_roots(*form):
+        assert_zero(form[0] * x * x + 2 * form[1] * x * y + form[2] * y * y, 10 * size(form) * size([x, y]) ** 2)
 
 
 @law("is_null_line", "Dyad", "TwoRSpace", "NullQuadrilateral", kinds=("float",), shapes=((),), dyad="dyad", q="pose")

@@ -20,12 +20,14 @@ from kinlib import (
     cubics_through,
     dyads_through_poses,
     eps,
+    fourth_parameters,
     goldberg_linkages,
     i,
     j,
     k,
     linear_factor,
     one,
+    primal_coordinates,
     recognise,
     six_r_linkages,
     study_eigenvalues,
@@ -37,6 +39,7 @@ from kinlib.gallery import FOUR_POSES, LINEAR_TERMS_EQUAL, THREE_POSES
 from kinlib.testing import random_poses
 from laws import (
     COVERED,
+    REAL,
     SHAPES,
     Draw,
     arrays_of,
@@ -93,6 +96,12 @@ def test_recognise_finds_the_dyad_of_a_space(h, g, q):
 def test_a_dyad_turns_about_its_axes(dyad, s, t):
     foot = dyad.axes[0].foot()
     assert_same(act(dyad(s, math.inf), act(dyad.home.inverse(), foot)), foot, rtol=1e-7)
+
+
+@law("primal_coordinates", "Dyad", kinds=REAL, h="half_turn", g="half_turn", q="dual_quaternion")
+def test_primal_coordinates_are_coordinates(h, g, q):
+    x0, x1, x2, x3 = primal_coordinates(q, h, g)
+    assert_same((one * x0 + h * x1 + g * x2 + h * g * x3).primal, q.primal, rtol=1e-6)
 
 
 # --- linkages ---------------------------------------------------------------------------------------------------
@@ -372,6 +381,15 @@ def test_cubics_pass_through_their_poses():
         for t, pose in ((math.inf, poses[0]), (0, poses[1]), (1, poses[2])):
             assert_same_poses(C(t), pose)
         assert C.is_motion()
+
+
+def test_cubics_reach_the_fourth_pose_at_its_parameter():
+    for poses in (four(), list(FOUR_POSES)):
+        for C, t in zip(cubics_through(*poses), fourth_parameters(*poses), strict=True):
+            assert_same_poses(C(t), poses[3], rtol=1e-7)
+
+
+COVERED.update(("fourth_parameters", "ADMISSIBLE_PAIRS"))
 
 
 @law("study_eigenvalues", kinds=("float",), p="pose", q="pose", r="pose", f="pose", g="pose")
