@@ -30,6 +30,8 @@ ORDER = [
     "factorization",
     "interpolation",
     "dyad",
+    "three_poses",
+    "chain",
     "linkage",
     "three_poses",
     "bennett",
@@ -61,7 +63,7 @@ PUBLIC = [
     "Subspace", "STUDY_QUADRIC", "NULL_CONE", "EXCEPTIONAL_SPACE", "is_null_line", "Line",
     "translation", "rotation", "half_turn", "act", "from_matrix", "as_matrix", "MotionPolynomial",
     "factorizations", "factorize", "conic_through", "cubics_through", "Dyad", "TwoRSpace",
-    "recognise", "dyads_through_poses", "Linkage", "bennett_linkage", "goldberg_linkages",
+    "recognise", "dyads_through_poses", "Chain", "Linkage", "bennett_linkage", "goldberg_linkages",
     "six_r_linkages", "DegenerateError",
 ]  # fmt: skip
 
