@@ -281,18 +281,18 @@ give angles that close it, or rtol= if the numbers are rounded
         with np.errstate(invalid="ignore"):
             return _perpendiculars(directions, points, tiny)
 
-    def bars(self, *, radius=None) -> np.ndarray:
+    def bars(self, *, near=None) -> np.ndarray:
         """The two ends of every link, on the axes that it joins.
 
         Link n joins the axes n and n + 1, counted from 1; in the array link 0, between the last and the first
         axis, comes first.  The ends are the feet of the common perpendicular.  Where these feet run far away, the
-        bars go straight between points that lie close together; where all axes meet, they go between points at one
-        distance from there.
+        bars go straight between points that lie close together.
 
         Parameters
         ----------
-        radius : float or array, shape (...), optional
-            That distance, in units of length; by default 1.
+        near : array_like, shape (..., 3), optional
+            A point that says where the bars are if the axes do not: where all axes are parallel, in the plane through
+            this point; where all axes meet, as far from there as this point.  By default that distance is 1.
 
         Returns
         -------
@@ -304,20 +304,24 @@ give angles that close it, or rtol= if the numbers are rounded
         >>> Chain([k, k + eps * i, k + eps * i + eps * j, k + eps * j]).bars()[0].round(9).tolist()
         [[-1.0, 0.0, 0.0], [0.0, 0.0, 0.0]]
         """
-        return self._bars if radius is None else self._bars_at(radius)
+        return self._bars if near is None else self._bars_near(as_float(near) - self.lines.middle)
 
     @cached_property
     def _bars(self) -> np.ndarray:
-        return self._bars_at(None)
+        return self._bars_near(np.zeros((*self.shape, 3)))
 
-    def _bars_at(self, radius) -> np.ndarray:
+    def _bars_near(self, near: np.ndarray) -> np.ndarray:
+        """The bars, for a point that is given from the middle."""
         directions, points, middle, length, noise = self.lines
-        radius = np.ones(self.shape) if radius is None else as_float(radius)
+        radius = np.linalg.norm(near, axis=-1)
         with np.errstate(invalid="ignore", divide="ignore"):
-            near = _near_points(directions, points)
-            meet = (length <= np.maximum(noise, RTOL * radius))[..., None, None]
-            near = near + np.where(meet, np.where(radius > noise, radius, 1.0)[..., None, None], 0.0) * directions
-            straight = np.stack([np.roll(near, 1, axis=-2), near], axis=-2)
+            points = points + _dot(near[..., None, :], directions)[..., None] * directions
+            points = _points_close_together(directions, points)
+            sines = np.linalg.norm(np.cross(directions, directions[..., :1, :]), axis=-1)
+            meet = (length <= np.maximum(noise, RTOL * radius)) & (sines.max(axis=-1) > PARALLEL)
+            out = np.where(meet, np.where(radius > noise, radius, 1.0), 0.0)[..., None, None]
+            points = np.where(meet[..., None, None], out * directions, points)
+            straight = np.stack([np.roll(points, 1, axis=-2), points], axis=-2)
             feet = _feet(straight, directions)
             ratio = (_spread(feet) / _spread(straight))[..., None, None, None]
         return np.where((ratio > 1e-6) & (ratio <= 3), feet, straight) + middle[..., None, None, :]
@@ -448,18 +452,17 @@ def _angle_about(axis: np.ndarray, x: np.ndarray, y: np.ndarray) -> np.ndarray:
 
 
 def _middle(directions: np.ndarray, moments: np.ndarray) -> np.ndarray:
-    """The point with the least sum of squared distances from lines; for parallel lines, near the origin's feet."""
-    points = np.cross(directions, moments)
-    rough = points.mean(axis=-2)
-    moments = moments - np.cross(rough[..., None, :], directions)
-    normal = _normal_matrix(directions)
-    return rough + np.linalg.solve(normal, np.cross(directions, moments).sum(axis=-2)[..., None])[..., 0]
+    """The point with the least sum of squared distances from lines; if they are parallel, near the feet from the origin.
 
-
-def _normal_matrix(directions: np.ndarray) -> np.ndarray:
-    """Σ (1 − l lᵀ) over unit vectors l, kept off singular ones."""
+    The normal matrix Σ (1 − l lᵀ) is kept off singular ones, which a second step makes good.
+    """
     count = directions.shape[-2]
-    return count * (1 + 1e-12) * np.eye(3) - np.swapaxes(directions, -1, -2) @ directions
+    normal = count * (1 + 1e-12) * np.eye(3) - np.swapaxes(directions, -1, -2) @ directions
+    middle = np.cross(directions, moments).mean(axis=-2)
+    for _ in range(2):
+        seen = moments - np.cross(middle[..., None, :], directions)
+        middle = middle + np.linalg.solve(normal, np.cross(directions, seen).sum(axis=-2)[..., None])[..., 0]
+    return middle
 
 
 def _perpendiculars(directions: np.ndarray, points: np.ndarray, tiny: np.ndarray) -> Perpendiculars:
@@ -507,7 +510,7 @@ def _perpendicular_to(line: np.ndarray, wish: np.ndarray) -> np.ndarray:
     return vector / np.linalg.norm(vector, axis=-1, keepdims=True)
 
 
-def _near_points(directions: np.ndarray, points: np.ndarray) -> np.ndarray:
+def _points_close_together(directions: np.ndarray, points: np.ndarray) -> np.ndarray:
     """One point on every axis, so that the sum of the squared distances around the loop is least."""
     count = points.shape[-2]
     sides = np.eye(count) - np.roll(np.eye(count), 1, axis=1)

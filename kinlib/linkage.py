@@ -192,14 +192,12 @@ class Linkage:
 
     @cached_property
     def _bars(self) -> np.ndarray:
-        position = as_float(act(self.home, [0, 0, 0]))
-        return self.chain.bars(radius=np.linalg.norm(position - self.chain.lines.middle, axis=-1))
+        return self.chain.bars(near=as_float(act(self.home, [0, 0, 0])))
 
     def bars(self) -> np.ndarray:
         """The two ends of every link at home, link 0 first, shape (..., n, 2, 3), in units of length.
 
-        See :meth:`Chain.bars <kinlib.Chain.bars>`; where all axes meet, the bars are as far from there as the
-        origin of the coupler's frame.
+        See :meth:`Chain.bars <kinlib.Chain.bars>`; what the axes leave free goes by the origin of the coupler's frame.
         """
         return self._bars
 
@@ -526,22 +524,22 @@ def _bound(factors: Sequence[DualQuaternion]) -> np.ndarray:
 
 
 def _beside_real(coefficients: Sequence[DualQuaternion], bound: np.ndarray, *, all_of_it: bool = False):
-    """The largest coefficient beside the real ones (or of all), each relative to its bound; shape (...)."""
-    components = np.stack([c.components for c in coefficients])[:, 0 if all_of_it else 1 :]
-    with np.errstate(invalid="ignore"):
-        return (np.abs(components).max(axis=1) / bound).max(axis=0)
+    """The largest coefficient beside the real ones (or of all), each relative to its bound; shape (...).
+
+    The leading coefficient, which is 1 or 0, is left out.
+    """
+    components = np.stack([c.components for c in coefficients[1:]])[:, 0 if all_of_it else 1 :]
+    return (np.abs(components).max(axis=1) / bound[1:]).max(axis=0)
 
 
 def _negligible(remainder, coefficients) -> bool:
     """Whether a remainder vanishes, in every row of a batch that is not NaN."""
-    halves = (slice(0, 4), slice(4, 8))
-    vanish = [
-        is_zero(r.components[half], np.max([size(c.components[half], 0) for c in coefficients], axis=0), rtol=1e-7)
-        for r in remainder
-        for half in halves
-    ]
-    undefined = _undefined(coefficients[-1])
-    return bool(np.all(np.all(vanish, axis=(0, 1)) | undefined) and not np.all(undefined))
+    fine = undefined = _undefined(coefficients[-1])
+    for half in (slice(0, 4), slice(4, 8)):
+        scale = reduce(np.maximum, (size(c.components[half], 0) for c in coefficients))
+        vanish = [is_zero(r.components[half], scale, rtol=1e-7) for r in remainder]
+        fine = fine | np.all(vanish, axis=(0, 1)) if half.start == 0 else fine & (undefined | np.all(vanish, axis=(0, 1)))
+    return bool(np.all(fine) and not np.all(undefined))
 
 
 def _undefined(q: DualQuaternion) -> np.ndarray:

@@ -137,7 +137,7 @@ def test_mobility_is_one(name):
     assert linkage.mobility() == linkage.mobility(0.3) == 1
     plucker = linkage.configuration(0.3).coeffs[:, [1, 2, 3, 5, 6, 7]]
     singular = np.linalg.svd(plucker, compute_uv=False)
-    rank = len(linkage) - 1
+    rank = linkage.joint_count - 1
     assert singular[rank:].max(initial=0) < 1e-6 * singular[0]
     assert singular[rank - 1] > 1e-6 * singular[0]
 
@@ -202,7 +202,7 @@ def test_the_angle_of_a_half_turn_is_that_of_the_factor():
 @pytest.mark.parametrize("name", NAMES)
 def test_denavit_hartenberg_against_direct_coordinates(name):
     linkage = examples()[name]
-    axes, count = list(linkage.axes), len(linkage)
+    axes, count = list(linkage.axes), linkage.joint_count
     for n, row in enumerate(linkage.denavit_hartenberg()):
         before, this, after = axes[n - 1], axes[n], axes[(n + 1) % count]
         start, end = feet(this, after)
@@ -222,7 +222,7 @@ def dh_step(angle: float, row) -> np.ndarray:
 @pytest.mark.parametrize("name", NAMES)
 def test_denavit_hartenberg_rows_and_joint_angles_close_the_loop(name):
     linkage = examples()[name]
-    axes, count = list(linkage.axes), len(linkage)
+    axes, count = list(linkage.axes), linkage.joint_count
     normals = [np.subtract(*feet(axes[n], axes[(n + 1) % count])[::-1]) for n in range(count)]
     directions = [point_and_direction(h)[1] for h in axes]
     rest = [signed_angle(normals[n - 1], normals[n], directions[n]) for n in range(count)]
@@ -260,7 +260,7 @@ def test_relative_motions_compose(name):
     linkage = examples()[name]
     for t in TIMES[1:4]:
         links = linkage.link_displacements(t)
-        for a, b in permutations(range(len(linkage)), 2):
+        for a, b in permutations(range(linkage.joint_count), 2):
             seen = links[a].inverse() * links[b]
             assert_same_point(linkage.relative_motion(a, b)(t), seen, rtol=1e-6)
     assert linkage.relative_motion(1, 1) == 1
@@ -269,7 +269,7 @@ def test_relative_motions_compose(name):
 @pytest.mark.parametrize("name", NAMES)
 def test_relative_motions_are_inverse_to_each_other(name):
     linkage = examples()[name]
-    for a, b in permutations(range(len(linkage)), 2):
+    for a, b in permutations(range(linkage.joint_count), 2):
         forth, back = linkage.relative_motion(a, b), linkage.relative_motion(b, a)
         assert forth.degree == back.degree
         assert forth.same_motion(back.conjugate(), rtol=1e-6)
@@ -278,8 +278,8 @@ def test_relative_motions_are_inverse_to_each_other(name):
 @pytest.mark.parametrize("name", SOME)
 def test_neighbours_turn_about_their_joint(name):
     linkage = examples()[name]
-    for n in range(len(linkage)):
-        motion = linkage.relative_motion(n, (n + 1) % len(linkage))
+    for n in range(linkage.joint_count):
+        motion = linkage.relative_motion(n, (n + 1) % linkage.joint_count)
         assert motion.degree == linkage.joints[n]
         line = motion(0.7).coeffs[[1, 2, 3, 5, 6, 7]]
         assert same_point(line, linkage.axes[n].coeffs[[1, 2, 3, 5, 6, 7]])
@@ -290,7 +290,7 @@ def test_the_coupler_is_a_link(name):
     linkage = examples()[name]
     motion = linkage.relative_motion(0, linkage.coupler) * linkage.home
     assert linkage.coupler_motion.same_motion(motion)
-    assert 0 < linkage.coupler < len(linkage)
+    assert 0 < linkage.coupler < linkage.joint_count
 
 
 @pytest.mark.parametrize("name", SOME)
@@ -350,8 +350,8 @@ def test_counts_must_fit():
 
 
 def test_the_number_of_joints_is_the_length():
-    assert [len(examples()[name]) for name in SOME] == [4, 5, 5, 6, 6]
-    assert all(linkage.axes.shape == (len(linkage),) for linkage in examples().values())
+    assert [examples()[name].joint_count for name in SOME] == [4, 5, 5, 6, 6]
+    assert all(linkage.axes.shape == (linkage.joint_count,) for linkage in examples().values())
 
 
 BATCHES = {
@@ -366,7 +366,7 @@ BATCHES = {
 def test_a_batch_is_the_loop_of_its_rows(name, shape):
     poses = random_poses(3, seed=5, shape=shape)
     together, point = BATCHES[name](poses), np.array([1.0, 2.0, -1.0])
-    count = len(together)
+    count = together.joint_count
     assert together.shape == shape
     for index in np.ndindex(shape):
         single = BATCHES[name]([pose[index] for pose in poses])
