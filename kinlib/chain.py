@@ -452,7 +452,7 @@ def _angle_about(axis: np.ndarray, x: np.ndarray, y: np.ndarray) -> np.ndarray:
 
 
 def _middle(directions: np.ndarray, moments: np.ndarray) -> np.ndarray:
-    """The point with the least sum of squared distances from lines; if they are parallel, near the feet from the origin.
+    """The point with the least sum of squared distances from lines; for parallel ones, near their feet.
 
     The normal matrix Σ (1 − l lᵀ) is kept off singular ones, which a second step makes good.
     """

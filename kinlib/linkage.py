@@ -20,9 +20,12 @@ from kinlib.errors import DegenerateError
 from kinlib.factorization import divide_by_quadratic, product_of, quadratic_of
 from kinlib.motion_polynomial import MotionPolynomial, RationalCurve, evaluate
 from kinlib.projective import null_space
-from kinlib.scalar import RTOL, as_float, is_exact, is_zero, size
+from kinlib.scalar import RTOL, as_float, as_scalars, is_exact, is_zero, size
+from kinlib.study import null_form, study_form
 
 __all__ = ["Linkage"]
+
+_ROUNDED = " (rtol= accepts rounded numbers)"
 
 SAMPLES = (0.37, -1.71, 3.3, -0.59, 0.11)
 """Where the mobility of a motion is looked at, from the middle of its parameters and in units of their spread."""
@@ -75,22 +78,21 @@ class Linkage:
     rtol: InitVar[float] = RTOL
 
     def __post_init__(self, rtol: float):
-        self._set(_as_factors(self.factors), self.joints, self.coupler, self.home, self.parameters)
-        if not isinstance(self.home, DualQuaternion):
-            object.__setattr__(self, "home", as_pose(self.home))
-        if np.any(is_zero(null_form(self.home, self.home), rtol=0)):
-            raise DegenerateError("the home pose lies in the exceptional three-space: its primal part is zero")
-        self._check_joints(rtol)
+        self._set(_as_factors(self.factors), self.joints, self.coupler, _as_home(self.home), self.parameters)
+        self._check_turns(max(rtol, RTOL))
         self._check_closure(rtol)
 
     def _set(self, factors, joints, coupler, home, parameters) -> None:
-        values = (tuple(factors), tuple(map(operator.index, joints)), operator.index(coupler), home, tuple(parameters))
-        for name, value in zip(("factors", "joints", "coupler", "home", "parameters"), values, strict=True):
+        joints = tuple(_whole(count, "joints as whole numbers of factors") for count in _as_tuple(joints, "joints"))
+        coupler, parameters = _whole(coupler, "the coupler as a whole number"), _as_tuple(parameters, "parameters")
+        if min(joints, default=0) < 1 or sum(joints) != len(factors):
+            raise ValueError(f"expected joints with {len(factors)} factors in all, at least 1 each, got {joints}")
+        if not 0 < coupler < len(joints):
+            raise ValueError(f"expected the coupler among links 1, …, {len(joints) - 1}, got {coupler}")
+        as_scalars([t for t in parameters if not np.ndim(t)])
+        for name, value in {"factors": tuple(factors), "joints": joints, "coupler": coupler, "home": home}.items():
             object.__setattr__(self, name, value)
-        if min(self.joints, default=0) < 1 or sum(self.joints) != len(self.factors):
-            raise ValueError(f"expected {sum(self.joints)} factors for joints {self.joints}, got {len(self.factors)}")
-        if not 0 < self.coupler < len(self.joints):
-            raise ValueError(f"expected the coupler among links 1, …, {len(self.joints) - 1}, got {self.coupler}")
+        object.__setattr__(self, "parameters", parameters)
 
     @classmethod
     def from_chains(cls, first, second, *, home=one, joints=None, parameters=(), rtol: float = RTOL) -> Linkage:
@@ -143,23 +145,24 @@ class Linkage:
         return verified_linkage(factors, self.joints, self.coupler, home, parameters)
 
     def __repr__(self) -> str:
-        twice = [str(n) for n, count in enumerate(self.joints, start=1) if count > 1]
         parts = [f"Linkage {self.joint_count}R" + (f" of shape {self.shape}" if self.shape else "")]
-        parts += [f"joint {' and '.join(twice)} of more than one factor"] * bool(twice)
+        parts += [f"joint {n} with {count} factors" for n, count in enumerate(self.joints, start=1) if count > 1]
         parts += [f"coupler {self.coupler}"]
-        return ", ".join(parts + [f"poses at t = {_listed(self.parameters)}"] * bool(self.parameters))
+        return ", ".join(parts + [f"poses at {_listed(self.parameters)}"] * bool(self.parameters))
 
     def _repr_html_(self) -> str:
         """Links, joints and poses as a table; a batch as one line."""
         if self.shape:
             return f"<p>{self!r}</p>"
-        rows = [
-            f"<tr><td>{n % self.joint_count}</td><td>{row.distance:.6g}</td><td>{math.degrees(row.twist):.6g}°</td>"
-            f"<td>{row.offset:.6g}</td><td>{turns}</td></tr>"
-            for n, (row, turns) in enumerate(zip(self.denavit_hartenberg(), self.joints, strict=True), start=1)
-        ]
-        head = "".join(f"<th>{name}</th>" for name in ("link", "distance", "twist", "offset", "factors of its joint"))
-        return f"<table><caption>{self!r}</caption><thead><tr>{head}</tr></thead><tbody>{''.join(rows)}</tbody></table>"
+        least = RTOL * float(self.chain.lines.length)
+        table = [
+            (n, n % self.joint_count, *(f"{x if abs(x) > least else 0:.6g}" for x in (row.distance, row.offset)),
+             f"{math.degrees(row.twist):.6g}°", count)
+            for n, (row, count) in enumerate(zip(self.denavit_hartenberg(), self.joints, strict=True), start=1)
+        ]  # fmt: skip
+        head = _row("th", ("joint", "link after it", "distance", "offset", "twist", "factors"))
+        body = "".join(_row("td", cells) for cells in table)
+        return f"<table><caption>{self!r}</caption><thead>{head}</thead><tbody>{body}</tbody></table>"
 
     def joint_factors(self, joint: int) -> Sequence[DualQuaternion]:
         """The factors of joint number 0, 1, …, all about one axis."""
@@ -253,7 +256,8 @@ class Linkage:
             Numbers of links, counted on round the loop.
         """
         count = self.joint_count
-        ahead, back = operator.index(b - a) % count, operator.index(a - b) % count
+        ahead = _whole(b - a, "links as whole numbers") % count
+        back = -ahead % count
         if ahead == 0:
             return MotionPolynomial.from_coefficients([self._identity])
         if ahead <= back:
@@ -373,7 +377,7 @@ class Linkage:
                 raise ValueError(
                     f"{words}the loop does not close: around it the product of the factors differs from a real "
                     f"polynomial by {residual[row]:.3g} of its size; the two chains to the coupler must have equal "
-                    "products" + ("" if self._is_exact else " (rtol= accepts rounded numbers)")
+                    "products" + _ROUNDED * (not self._is_exact)
                 )
 
     def _difference_of_chains(self):
@@ -384,11 +388,20 @@ class Linkage:
         difference = [c - d for c, d in zip(product_of(first), product_of(second), strict=True)]
         return _beside_real(difference, np.fmax(_bound(first), _bound(second)), all_of_it=True)
 
-    def _check_joints(self, rtol: float) -> None:
-        """Refuse factors of one joint that have different axes."""
+    def _check_turns(self, rtol: float) -> None:
+        """Refuse factors that are no rotations, and factors of one joint that have different axes."""
+        for number, f in enumerate(self.factors):
+            pitch = np.asarray(_pitch(f, self.chain))
+            wrong = pitch > (0 if is_exact(f.components) else rtol)
+            if wrong.any():
+                row, words = first_row(wrong)
+                raise ValueError(
+                    f"{words}factor number {number} is no rotation x + y h about a line: it is off by {pitch[row]:.3g} "
+                    "of its size" + _ROUNDED * (not is_exact(f.components))
+                )
         for n in range(self.joint_count):
             for f in self.joint_factors(n)[1:]:
-                if not np.all(_turns_about(self.axes[..., n], f, self.chain, max(rtol, RTOL))):
+                if not np.all(_turns_about(self.axes[..., n], f, self.chain, rtol)):
                     raise ValueError(
                         f"expected the factors of joint {n + 1} to have one axis, but they have different ones: "
                         f"joints={self.joints} says how many factors in a row share an axis"
@@ -468,6 +481,29 @@ def _loop(first, second, joints) -> tuple[tuple, tuple, int]:
     return factors, joints, ends.index(len(first)) + 1
 
 
+def _as_home(home) -> DualQuaternion:
+    """The pose of the coupler at home; rows of NaN are let through."""
+    if not isinstance(home, DualQuaternion):
+        home = as_pose(home)
+    if np.any(is_zero(null_form(home, home), rtol=0)):
+        raise DegenerateError("the home pose lies in the exceptional three-space: its primal part is zero")
+    return home
+
+
+def _as_tuple(values, name: str) -> tuple:
+    try:
+        return tuple(values)
+    except TypeError:
+        raise TypeError(f"expected a sequence for {name}, got {values!r}") from None
+
+
+def _whole(number, what: str) -> int:
+    try:
+        return operator.index(number)
+    except TypeError:
+        raise TypeError(f"expected {what}, got {number!r}") from None
+
+
 def _as_factors(factors) -> tuple[DualQuaternion, ...]:
     if isinstance(factors, DualQuaternion) or not isinstance(factors, Sequence):
         raise TypeError(f"expected a sequence of dual quaternions f, one for each factor t − f, got {factors!r}")
@@ -481,16 +517,27 @@ def _as_factors(factors) -> tuple[DualQuaternion, ...]:
     return tuple(factors)
 
 
+def _pitch(f: DualQuaternion, chain: Chain) -> np.ndarray:
+    """How far f is from x + y h with a half-turn h, in parts of its size: 0 only if it is exactly that."""
+    d0, product = f.components[4], study_form(f, f)
+    if is_exact(f.components) and np.all(is_zero(d0) & is_zero(product)):
+        return np.zeros(f.shape)
+    f = f.astype(float)
+    turning, length = size(f.components[:4], 0), size(f.components[5:], 0)
+    length = length + turning * (chain.lines.length + chain.lines.noise)
+    return np.maximum(np.abs(f.components[4]), np.abs(study_form(f, f)) / turning) / length
+
+
 def _turns_about(axis: DualQuaternion, f: DualQuaternion, chain: Chain, rtol: float):
-    """Whether f = x + y h with the half-turn h about an axis; NaN is let through."""
+    """Whether a rotation f has a given axis; NaN is let through."""
     commutator = f * axis - axis * f
     if is_exact(commutator.components):
         return np.all(is_zero(commutator.components))
-    p, d = size(axis.components[1:4], 0) * size(f.components[1:4], 0), size(axis.components[5:], 0)
-    length = d + chain.lines.length
-    turned = is_zero(size(commutator.components[:4], 0), p, rtol)
-    shifted = is_zero(size(commutator.components[4:], 0), p * length, rtol)
-    return (turned & shifted) | np.isnan(p)
+    turning = size(axis.components[1:4], 0) * size(f.components[1:4], 0)
+    length = size(axis.components[5:], 0) + chain.lines.length
+    turned = is_zero(size(commutator.components[:4], 0), turning, rtol)
+    shifted = is_zero(size(commutator.components[4:], 0), turning * length, rtol)
+    return (turned & shifted) | np.isnan(turning)
 
 
 # ---- measures ----------------------------------------------------------------------------------------
@@ -499,8 +546,13 @@ def _turns_about(axis: DualQuaternion, f: DualQuaternion, chain: Chain, rtol: fl
 def _listed(parameters) -> str:
     """Parameter values in words."""
     if any(np.ndim(t) for t in parameters):
-        return f"{len(parameters)} values"
-    return ", ".join(f"{float(t):.6g}".replace("inf", "∞") for t in parameters)
+        return f"{len(parameters)} values of t"
+    return "t = " + ", ".join(f"{float(t):.6g}".replace("inf", "∞") for t in parameters)
+
+
+def _row(kind: str, cells) -> str:
+    """A row of a table in HTML."""
+    return "<tr>" + "".join(f"<{kind}>{cell}</{kind}>" for cell in cells) + "</tr>"
 
 
 def _distance(pose: DualQuaternion) -> np.ndarray:
@@ -538,7 +590,9 @@ def _negligible(remainder, coefficients) -> bool:
     for half in (slice(0, 4), slice(4, 8)):
         scale = reduce(np.maximum, (size(c.components[half], 0) for c in coefficients))
         vanish = [is_zero(r.components[half], scale, rtol=1e-7) for r in remainder]
-        fine = fine | np.all(vanish, axis=(0, 1)) if half.start == 0 else fine & (undefined | np.all(vanish, axis=(0, 1)))
+        fine = (
+            fine | np.all(vanish, axis=(0, 1)) if half.start == 0 else fine & (undefined | np.all(vanish, axis=(0, 1)))
+        )
     return bool(np.all(fine) and not np.all(undefined))
 
 

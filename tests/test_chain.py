@@ -82,7 +82,7 @@ def size_of(axes: DualQuaternion) -> float:
 
 
 def assert_rebuilds(chain: Chain, atol: float) -> None:
-    """The steps of the table close, and carry the axis of z through all axes of the chain (seen from the first frame)."""
+    """The steps of the table close, and carry the axis of z through all axes of the chain."""
     steps = [dh_step(angle, row) for angle, row in zip(chain.angles(), chain.denavit_hartenberg(), strict=True)]
     assert np.allclose(reduce(lambda x, y: x * y, steps).as_matrix(), np.eye(4), atol=atol)
     frame, rebuilt = RigidTransform.identity(), []
@@ -208,7 +208,7 @@ def test_a_table_that_does_not_close_says_by_how_much():
     chain = Chain(CHAINS["5 axes"])
     rows, angles = chain.denavit_hartenberg(), chain.angles()
     with pytest.raises(ValueError, match=r"turned by 0\.1 and shifted by"):
-        Chain.from_denavit_hartenberg(rows, angles + [0.1, 0, 0, 0, 0])
+        Chain.from_denavit_hartenberg(rows, angles + np.array([0.1, 0, 0, 0, 0]))
     longer = [rows[0]._replace(offset=rows[0].offset + 0.2), *rows[1:]]
     with pytest.raises(ValueError, match=r"turned by .*e-1. and shifted by 0\.2"):
         Chain.from_denavit_hartenberg(longer, angles)
@@ -219,7 +219,7 @@ def test_a_table_that_does_not_close_says_by_how_much():
 def test_rows_of_a_batch_that_do_not_close_are_named_or_nan():
     chain = Chain(random_axes(4, seed=1, shape=(3,)))
     angles = chain.angles() + np.array([[0, 0, 0, 0], [0, 0.3, 0, 0], [0, 0, 0, 0]])
-    with pytest.raises(ValueError, match="row 1: the loop does not close: its end is turned by 0.3"):
+    with pytest.raises(ValueError, match=r"row 1: the loop does not close: its end is turned by 0\.3"):
         Chain.from_denavit_hartenberg(chain.denavit_hartenberg(), angles)
     kept = Chain.from_denavit_hartenberg(chain.denavit_hartenberg(), angles, degenerate="nan")
     assert np.isnan(kept.axes.coeffs).all((-1, -2)).tolist() == [False, True, False]
