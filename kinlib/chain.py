@@ -516,9 +516,21 @@ def _points_close_together(directions: np.ndarray, points: np.ndarray) -> np.nda
     sides = np.eye(count) - np.roll(np.eye(count), 1, axis=1)
     system = np.einsum("ij,...jc->...icj", sides, directions).reshape(*points.shape[:-2], 3 * count, count)
     right = -(sides @ points).reshape(*points.shape[:-2], 3 * count, 1)
+    return points + _least_squares(system, right) * directions
+
+
+def _least_squares(system: np.ndarray, right: np.ndarray) -> np.ndarray:
+    """The shortest of the best solutions; where the normal equations would lose digits, by singular values."""
     undefined = ~np.isfinite(system).all(axis=(-1, -2), keepdims=True)
-    along = np.linalg.pinv(np.where(undefined, 0.0, system), rcond=RTOL) @ right
-    return points + along * directions
+    system = np.where(undefined, 0.0, system)
+    transposed = np.swapaxes(system, -1, -2)
+    values, vectors = np.linalg.eigh(transposed @ system)
+    poor = values[..., 0] <= 1e-4 * values[..., -1]
+    values = np.where(poor[..., None], 1.0, values)[..., None]
+    solution = vectors @ (np.swapaxes(vectors, -1, -2) @ (transposed @ right) / values)
+    if poor.any():
+        solution[poor] = np.linalg.pinv(system[poor], rcond=RTOL) @ right[poor]
+    return solution
 
 
 def _feet(ends: np.ndarray, directions: np.ndarray) -> np.ndarray:

@@ -25,6 +25,9 @@ from kinlib.study import null_form, study_form
 
 __all__ = ["Linkage"]
 
+CLOSED = 1e-7
+"""How far floats may be from closed: next to degenerate places half of their digits are gone."""
+
 _ROUNDED = " (rtol= accepts rounded numbers)"
 
 SAMPLES = (0.37, -1.71, 3.3, -0.59, 0.11)
@@ -75,11 +78,11 @@ class Linkage:
     coupler: int
     home: DualQuaternion = field(default_factory=lambda: one)
     parameters: tuple = ()
-    rtol: InitVar[float] = RTOL
+    rtol: InitVar[float] = CLOSED
 
     def __post_init__(self, rtol: float):
         self._set(_as_factors(self.factors), self.joints, self.coupler, _as_home(self.home), self.parameters)
-        self._check_turns(max(rtol, RTOL))
+        self._check_turns(max(rtol, CLOSED))
         self._check_closure(rtol)
 
     def _set(self, factors, joints, coupler, home, parameters) -> None:
@@ -95,7 +98,7 @@ class Linkage:
         object.__setattr__(self, "parameters", parameters)
 
     @classmethod
-    def from_chains(cls, first, second, *, home=one, joints=None, parameters=(), rtol: float = RTOL) -> Linkage:
+    def from_chains(cls, first, second, *, home=one, joints=None, parameters=(), rtol: float = CLOSED) -> Linkage:
         """Close the loop of two chains (t − h_1) ⋯ (t − h_m) = (t − k_1) ⋯ (t − k_n) that carry the same coupler.
 
         Parameters
@@ -530,6 +533,7 @@ def _pitch(f: DualQuaternion, chain: Chain) -> np.ndarray:
 
 def _turns_about(axis: DualQuaternion, f: DualQuaternion, chain: Chain, rtol: float):
     """Whether a rotation f has a given axis; NaN is let through."""
+    f = f - f.scalar_part
     commutator = f * axis - axis * f
     if is_exact(commutator.components):
         return np.all(is_zero(commutator.components))
