@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
@@ -203,6 +204,31 @@ give angles that close it, or rtol= if the numbers are rounded
     def __repr__(self) -> str:
         return f"Chain of {self.joint_count} joints" + (f", shape {self.shape}" if self.shape else "")
 
+    def __getstate__(self) -> dict:
+        return {"axes": self.axes}  # what is computed from them is left behind
+
+    def _repr_html_(self) -> str:
+        """The table of a single chain; a batch as one line."""
+        if self.shape:
+            return f"<p>{self!r}</p>"
+        return html_table(repr(self), ("joint", "angle", "offset", "distance", "twist"), self.table())
+
+    def _repr_latex_(self) -> str | None:
+        """The table of a single chain."""
+        if self.shape:
+            return None
+        rows = r" \\ ".join(" & ".join(row).replace("°", r"^\circ") for row in self.table())
+        return rf"$\begin{{array}}{{rrrrr}} n & \theta_n & d_n & a_n & \alpha_n \\ \hline {rows} \end{{array}}$"
+
+    def table(self) -> list[tuple[str, ...]]:
+        """The table of a single chain in words: number of the joint, angle, offset, distance, twist; in degrees."""
+        least = max(RTOL * float(self.lines.length), float(self.lines.noise))
+        angles = [_in_degrees(angle) for angle in self.angles()]
+        return [
+            (str(n), angle, _in_words(row.offset, least), _in_words(row.distance, least), _in_degrees(row.twist))
+            for n, (row, angle) in enumerate(zip(self.denavit_hartenberg(), angles, strict=True), start=1)
+        ]
+
     @cached_property
     def lines(self) -> Lines:
         """The axes in floats, seen from their middle."""
@@ -324,7 +350,9 @@ give angles that close it, or rtol= if the numbers are rounded
             straight = np.stack([np.roll(points, 1, axis=-2), points], axis=-2)
             feet = _feet(straight, directions)
             ratio = (_spread(feet) / _spread(straight))[..., None, None, None]
-        return np.where((ratio > 1e-6) & (ratio <= 3), feet, straight) + middle[..., None, None, :]
+        bars = np.where((ratio > 1e-6) & (ratio <= 3), feet, straight) + middle[..., None, None, :]
+        bars.setflags(write=False)
+        return bars
 
 
 # ---- input -------------------------------------------------------------------------------------------
@@ -398,6 +426,28 @@ def _open_rows(last: DualQuaternion, longest: np.ndarray, rtol: float, degenerat
             f"{shifted[row]:.3g} against its start; give angles that close it, or rtol= if the numbers are rounded"
         )
     return wrong
+
+
+# ---- words -------------------------------------------------------------------------------------------
+
+
+def _in_words(x: float, least: float) -> str:
+    """Six digits of a number; what rounding has left is 0."""
+    return f"{x if not abs(x) <= least else 0:.6g}"
+
+
+def _in_degrees(angle: float) -> str:
+    return _in_words(math.degrees(angle), 1e-9) + "°"
+
+
+def html_table(caption: str, head, rows) -> str:
+    """A table in HTML."""
+    lines = [_html_row("th", head), *(_html_row("td", row) for row in rows)]
+    return f"<table><caption>{caption}</caption><thead>{lines[0]}</thead><tbody>{''.join(lines[1:])}</tbody></table>"
+
+
+def _html_row(kind: str, cells) -> str:
+    return "<tr>" + "".join(f"<{kind}>{cell}</{kind}>" for cell in cells) + "</tr>"
 
 
 # ---- shapes ------------------------------------------------------------------------------------------

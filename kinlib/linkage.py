@@ -13,7 +13,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from kinlib.chain import ROUNDING, Chain, DHRow, batch_index, broadcast, count_or_nan, first_row, plain
+from kinlib.chain import ROUNDING, Chain, DHRow, batch_index, broadcast, count_or_nan, first_row, html_table, plain
 from kinlib.displacement import act, as_pose, axis_of, unit
 from kinlib.dual_quaternion import DualQuaternion, one
 from kinlib.errors import DegenerateError
@@ -157,15 +157,18 @@ class Linkage:
         """Links, joints and poses as a table; a batch as one line."""
         if self.shape:
             return f"<p>{self!r}</p>"
-        least = RTOL * float(self.chain.lines.length)
-        table = [
-            (n, n % self.joint_count, *(f"{x if abs(x) > least else 0:.6g}" for x in (row.distance, row.offset)),
-             f"{math.degrees(row.twist):.6g}°", count)
-            for n, (row, count) in enumerate(zip(self.denavit_hartenberg(), self.joints, strict=True), start=1)
-        ]  # fmt: skip
-        head = _row("th", ("joint", "link after it", "distance", "offset", "twist", "factors"))
-        body = "".join(_row("td", cells) for cells in table)
-        return f"<table><caption>{self!r}</caption><thead>{head}</thead><tbody>{body}</tbody></table>"
+        head = ("joint", "angle at home", "offset", "distance", "twist", "factors", "link after it")
+        table = zip(self.chain.table(), self.joints, strict=True)
+        rows = [(*row, count, n % self.joint_count) for n, (row, count) in enumerate(table, start=1)]
+        return html_table(repr(self), head, rows)
+
+    def _repr_latex_(self) -> str | None:
+        """The table of the chain at home."""
+        return self.chain._repr_latex_()
+
+    def __getstate__(self) -> dict:
+        names = ("factors", "joints", "coupler", "home", "parameters")
+        return {name: self.__dict__[name] for name in names}  # what is computed from them is left behind
 
     def joint_factors(self, joint: int) -> Sequence[DualQuaternion]:
         """The factors of joint number 0, 1, …, all about one axis."""
@@ -552,11 +555,6 @@ def _listed(parameters) -> str:
     if any(np.ndim(t) for t in parameters):
         return f"{len(parameters)} values of t"
     return "t = " + ", ".join(f"{float(t):.6g}".replace("inf", "∞") for t in parameters)
-
-
-def _row(kind: str, cells) -> str:
-    """A row of a table in HTML."""
-    return "<tr>" + "".join(f"<{kind}>{cell}</{kind}>" for cell in cells) + "</tr>"
 
 
 def _distance(pose: DualQuaternion) -> np.ndarray:

@@ -413,3 +413,18 @@ def test_a_chain_can_be_kept():
 def test_a_chain_is_shown_in_a_line():
     assert repr(Chain([i, j, k])) == "Chain of 3 joints"
     assert repr(Chain(random_axes(4, seed=1, shape=(2, 3)))) == "Chain of 4 joints, shape (2, 3)"
+
+
+def test_a_chain_is_shown_as_a_table():
+    chain = Chain(CHAINS["planar"])
+    assert "<td>1</td><td>26.5651°</td><td>0</td><td>1</td><td>0°</td>" in chain._repr_html_()
+    assert chain._repr_html_().count("<tr>") == 5
+    assert r"1 & -45^\circ & 0 & 1 & 0^\circ \\" in chain._repr_latex_()
+    batch = Chain(random_axes(4, seed=1, shape=(2, 3)))
+    assert batch._repr_html_() == "<p>Chain of 4 joints, shape (2, 3)</p>"
+    assert batch._repr_latex_() is None
+
+
+def test_bars_are_not_for_changing():
+    with pytest.raises(ValueError, match="read-only"):
+        Chain(CHAINS["planar"]).bars()[0] = 0
