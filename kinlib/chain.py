@@ -12,11 +12,10 @@ from typing import NamedTuple
 import numpy as np
 
 from kinlib.displacement import axis_of, half_turn
-from kinlib.dual_quaternion import DualQuaternion, eps, i, k, one
+from kinlib.dual_quaternion import DualQuaternion, eps, i, k, one, study_form
 from kinlib.line import Line
 from kinlib.projective import null_space
 from kinlib.scalar import RTOL, as_float, is_exact, is_zero
-from kinlib.study import study_form
 
 __all__ = ["Chain", "DHRow"]
 

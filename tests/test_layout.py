@@ -30,7 +30,6 @@ ORDER = [
     "factorization",
     "interpolation",
     "dyad",
-    "three_poses",
     "chain",
     "linkage",
     "three_poses",
