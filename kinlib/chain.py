@@ -13,6 +13,7 @@ import numpy as np
 
 from kinlib.displacement import axis_of, half_turn
 from kinlib.dual_quaternion import DualQuaternion, eps, i, k, one, study_form
+from kinlib.errors import check_degenerate, named_rows
 from kinlib.line import Line
 from kinlib.projective import null_space
 from kinlib.scalar import RTOL, as_float, is_exact, is_zero
@@ -412,8 +413,7 @@ def _step(angle, distance, twist, offset) -> DualQuaternion:
 
 def _open_rows(last: DualQuaternion, longest: np.ndarray, rtol: float, degenerate: str) -> np.ndarray:
     """Which loops do not come back to their first frame."""
-    if degenerate not in ("raise", "nan"):
-        raise ValueError(f"expected degenerate to be 'raise' or 'nan', got {degenerate!r}")
+    check_degenerate(degenerate)
     p0, p1, p2, p3, *_ = last.components
     turned = 2 * np.arctan2(_lengths((p1, p2, p3)), np.abs(p0))
     shifted = 2 * _lengths((last.dual * last.primal.conjugate()).components[1:4])
@@ -454,11 +454,7 @@ def _html_row(kind: str, cells) -> str:
 
 def first_row(wrong: np.ndarray) -> tuple[tuple[int, ...], str]:
     """The index of the first row of a batch where something is wrong, and words that name all of them."""
-    rows = np.argwhere(wrong)
-    if not wrong.ndim:
-        return (), ""
-    names = [str(int(row[0])) if len(row) == 1 else str(tuple(map(int, row))) for row in rows[:10]]
-    return tuple(rows[0]), f"row{'s' * (len(rows) > 1)} {', '.join(names)}{', …' * (len(rows) > 10)}: "
+    return np.unravel_index(wrong.argmax(), wrong.shape), named_rows(np.flatnonzero(wrong) if wrong.ndim else [])
 
 
 def batch_index(index, shape: tuple[int, ...], name: str) -> tuple:

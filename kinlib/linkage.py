@@ -14,11 +14,12 @@ from typing import NamedTuple
 import numpy as np
 
 from kinlib.chain import ROUNDING, Chain, DHRow, batch_index, broadcast, count_or_nan, first_row, html_table, plain
-from kinlib.displacement import act, as_pose, axis_of, unit
+from kinlib.displacement import act, axis_of, unit
 from kinlib.dual_quaternion import DualQuaternion, null_form, one, study_form
 from kinlib.errors import DegenerateError
 from kinlib.factorization import divide_by_quadratic, product_of, quadratic_of
 from kinlib.motion_polynomial import MotionPolynomial, RationalCurve, evaluate
+from kinlib.poses import as_pose
 from kinlib.projective import null_space
 from kinlib.scalar import RTOL, as_float, as_scalars, is_exact, is_zero, size
 

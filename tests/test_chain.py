@@ -419,7 +419,7 @@ def test_a_chain_is_shown_as_a_table():
     chain = Chain(CHAINS["planar"])
     assert "<td>1</td><td>26.5651°</td><td>0</td><td>1</td><td>0°</td>" in chain._repr_html_()
     assert chain._repr_html_().count("<tr>") == 5
-    assert r"1 & -45^\circ & 0 & 1 & 0^\circ \\" in chain._repr_latex_()
+    assert r"1 & 26.5651^\circ & 0 & 1 & 0^\circ \\" in chain._repr_latex_()
     batch = Chain(random_axes(4, seed=1, shape=(2, 3)))
     assert batch._repr_html_() == "<p>Chain of 4 joints, shape (2, 3)</p>"
     assert batch._repr_latex_() is None
