@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import accumulate
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -17,6 +17,7 @@ from kinlib.errors import check_degenerate, named_rows
 from kinlib.line import Line
 from kinlib.projective import null_space
 from kinlib.scalar import RTOL, as_float, is_exact, is_zero
+from kinlib.typing import Array, ArrayLike, Degenerate, PointLike
 
 __all__ = ["Chain", "DHRow"]
 
@@ -43,9 +44,9 @@ class DHRow(NamedTuple):
         On the first axis: from the perpendicular of the link before to that of this link.
     """
 
-    distance: float | np.ndarray
-    twist: float | np.ndarray
-    offset: float | np.ndarray
+    distance: float | Array
+    twist: float | Array
+    offset: float | Array
 
 
 class Lines(NamedTuple):
@@ -62,11 +63,11 @@ class Lines(NamedTuple):
         What rounding makes of a length, for axes as far from the origin as these.
     """
 
-    directions: np.ndarray
-    points: np.ndarray
-    middle: np.ndarray
-    length: np.ndarray
-    noise: np.ndarray
+    directions: Array
+    points: Array
+    middle: Array
+    length: Array
+    noise: Array
 
     @classmethod
     def of(cls, axes: DualQuaternion) -> Lines:
@@ -91,10 +92,10 @@ class Perpendiculars(NamedTuple):
     distance : array, shape (..., n)
     """
 
-    start: np.ndarray
-    end: np.ndarray
-    direction: np.ndarray
-    distance: np.ndarray
+    start: Array
+    end: Array
+    direction: Array
+    distance: Array
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -122,11 +123,18 @@ class Chain:
 
     axes: DualQuaternion
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         object.__setattr__(self, "axes", _as_axes(self.axes))
 
     @classmethod
-    def from_denavit_hartenberg(cls, rows, angles, *, rtol: float = RTOL, degenerate: str = "raise") -> Chain:
+    def from_denavit_hartenberg(
+        cls,
+        rows: Sequence[Sequence[ArrayLike]],
+        angles: ArrayLike,
+        *,
+        rtol: float = RTOL,
+        degenerate: Degenerate = "raise",
+    ) -> Chain:
         """The chain with given rows and joint angles: the first axis is that of z, the last perpendicular that of x.
 
         Joint n turns by its angle about z and shifts by the offset along z; then its link shifts by the distance
@@ -160,14 +168,14 @@ class Chain:
         ValueError: the loop does not close: its end is turned by 0.283 and shifted by 0.207 against its start; \
 give angles that close it, or rtol= if the numbers are rounded
         """
-        rows = [tuple(as_float(x) for x in row) for row in rows]
-        angles = np.moveaxis(np.atleast_1d(as_float(angles)), -1, 0)
-        if len(rows) != len(angles):
-            raise ValueError(f"expected as many angles as rows: got {len(angles)} angles and {len(rows)} rows")
-        steps = [_step(angle, *row) for angle, row in zip(angles, rows, strict=True)]
+        table = [tuple(as_float(x) for x in row) for row in rows]
+        turns = np.moveaxis(np.atleast_1d(as_float(angles)), -1, 0)
+        if len(table) != len(turns):
+            raise ValueError(f"expected as many angles as rows: got {len(turns)} angles and {len(table)} rows")
+        steps = [_step(angle, *row) for angle, row in zip(turns, table, strict=True)]
         *frames, last = accumulate(steps, initial=one.astype(float), func=lambda frame, step: frame * step)
         shape = last.shape
-        longest = np.max([np.abs(np.broadcast_to(row[part], shape)) for row in rows for part in (0, 2)], axis=0)
+        longest = np.max([np.abs(np.broadcast_to(row[part], shape)) for row in table for part in (0, 2)], axis=0)
         open_rows = _open_rows(last, longest, rtol, degenerate)
         axes = DualQuaternion.stack([broadcast(frame * k * frame.conjugate(), shape) for frame in frames], axis=-1)
         return cls(DualQuaternion(np.where(open_rows[..., None, None], np.nan, axes.coeffs)))
@@ -194,7 +202,7 @@ give angles that close it, or rtol= if the numbers are rounded
             raise TypeError("a single chain has no length; the number of its joints is .joint_count")
         return self.shape[0]
 
-    def __getitem__(self, index) -> Chain:
+    def __getitem__(self, index: Any) -> Chain:
         """Entries of the batch, indexed as an array of shape ``self.shape``."""
         return Chain.wrap(self.axes[batch_index(index, self.shape, "chain")])
 
@@ -204,7 +212,7 @@ give angles that close it, or rtol= if the numbers are rounded
     def __repr__(self) -> str:
         return f"Chain of {self.joint_count} joints" + (f", shape {self.shape}" if self.shape else "")
 
-    def __getstate__(self) -> dict:
+    def __getstate__(self) -> dict[str, Any]:
         return {"axes": self.axes}  # what is computed from them is left behind
 
     def _repr_html_(self) -> str:
@@ -235,7 +243,7 @@ give angles that close it, or rtol= if the numbers are rounded
         with np.errstate(invalid="ignore"):
             return Lines.of(self.axes)
 
-    def mobility(self, *, rtol: float = RTOL):
+    def mobility(self, *, rtol: float = RTOL) -> Any:
         """The degree of freedom at this position: the number of joints less the rank of the Plücker coordinates.
 
         Parameters
@@ -260,7 +268,7 @@ give angles that close it, or rtol= if the numbers are rounded
         free = [len(null_space(rows.T)) for rows in lines.reshape(-1, self.joint_count, 6)]
         return plain(np.reshape(free, self.shape))
 
-    def rank(self, rtol: float = RTOL) -> np.ndarray:
+    def rank(self, rtol: float = RTOL) -> Array:
         """The rank of the Plücker coordinates, in units of the chain's length; NaN in NaN rows."""
         directions, points, _, length, noise = self.lines
         unit_length = np.where(length > noise, length, 1.0)[..., None, None]
@@ -283,7 +291,7 @@ give angles that close it, or rtol= if the numbers are rounded
         columns = (feet.distance, np.where(twists < ROUNDING - np.pi, np.pi, twists), offsets)
         return [DHRow(*(plain(column[..., n]) for column in columns)) for n in range(self.joint_count)]
 
-    def angles(self) -> np.ndarray:
+    def angles(self) -> Array:
         """The joint angles of the table: on axis n, from the perpendicular of the link before to that of link n.
 
         Returns
@@ -307,7 +315,7 @@ give angles that close it, or rtol= if the numbers are rounded
         with np.errstate(invalid="ignore"):
             return _perpendiculars(directions, points, tiny)
 
-    def bars(self, *, near=None) -> np.ndarray:
+    def bars(self, *, near: PointLike | None = None) -> Array:
         """The two ends of every link, on the axes that it joins.
 
         Link n joins the axes n and n + 1, counted from 1; in the array link 0, between the last and the first
@@ -333,10 +341,10 @@ give angles that close it, or rtol= if the numbers are rounded
         return self._bars if near is None else self._bars_near(as_float(near) - self.lines.middle)
 
     @cached_property
-    def _bars(self) -> np.ndarray:
+    def _bars(self) -> Array:
         return self._bars_near(np.zeros((*self.shape, 3)))
 
-    def _bars_near(self, near: np.ndarray) -> np.ndarray:
+    def _bars_near(self, near: Array) -> Array:
         """The bars, for a point that is given from the middle."""
         directions, points, middle, length, noise = self.lines
         radius = np.linalg.norm(near, axis=-1)
@@ -358,7 +366,7 @@ give angles that close it, or rtol= if the numbers are rounded
 # ---- input -------------------------------------------------------------------------------------------
 
 
-def _as_axes(axes) -> DualQuaternion:
+def _as_axes(axes: DualQuaternion | Line | Sequence[DualQuaternion | Line]) -> DualQuaternion:
     """Half-turns about the axes of a chain, shape (..., n), checked and freed of what rounding has added."""
     if isinstance(axes, Line):
         axes = half_turn(axes)
@@ -378,7 +386,7 @@ def _as_axes(axes) -> DualQuaternion:
     return axis_of(axes)
 
 
-def _are_half_turns(axes: DualQuaternion) -> np.ndarray:
+def _are_half_turns(axes: DualQuaternion) -> Array:
     """Whether p0 = d0 = l · m = 0, in floats up to rounding in a problem of this size; NaN is let through."""
     p0, d0 = axes.components[[0, 4]]
     if is_exact(axes.components):
@@ -389,7 +397,7 @@ def _are_half_turns(axes: DualQuaternion) -> np.ndarray:
     return fine | np.isnan(turning + shifting)
 
 
-def _stacked(items) -> DualQuaternion:
+def _stacked(items: Any) -> DualQuaternion:
     try:
         items = [half_turn(item) if isinstance(item, Line) else item for item in items]
     except TypeError:
@@ -400,18 +408,18 @@ def _stacked(items) -> DualQuaternion:
     return DualQuaternion.stack(items, axis=-1)
 
 
-def _lengths(vector) -> np.ndarray:
+def _lengths(vector: Sequence[Array] | Array) -> Array:
     """The lengths of vectors given by components, in floats."""
     return np.sqrt(sum(as_float(x) ** 2 for x in vector))
 
 
-def _step(angle, distance, twist, offset) -> DualQuaternion:
+def _step(angle: Array, distance: Array, twist: Array, offset: Array) -> DualQuaternion:
     """Turn about z and shift along z, then shift along x and turn about x."""
     about_z = (k * np.sin(angle / 2) + np.cos(angle / 2)) * (eps * k * (offset / 2) + 1.0)
     return about_z * (eps * i * (distance / 2) + 1.0) * (i * np.sin(twist / 2) + np.cos(twist / 2))
 
 
-def _open_rows(last: DualQuaternion, longest: np.ndarray, rtol: float, degenerate: str) -> np.ndarray:
+def _open_rows(last: DualQuaternion, longest: Array, rtol: float, degenerate: Degenerate) -> Array:
     """Which loops do not come back to their first frame."""
     check_degenerate(degenerate)
     p0, p1, p2, p3, *_ = last.components
@@ -430,34 +438,35 @@ def _open_rows(last: DualQuaternion, longest: np.ndarray, rtol: float, degenerat
 # ---- words -------------------------------------------------------------------------------------------
 
 
-def _in_words(x: float, least: float) -> str:
+def _in_words(x: Any, least: float) -> str:
     """Six digits of a number; what rounding has left is 0."""
     return f"{x if not abs(x) <= least else 0:.6g}"
 
 
-def _in_degrees(angle: float) -> str:
+def _in_degrees(angle: Any) -> str:
     return _in_words(math.degrees(angle), 1e-9) + "°"
 
 
-def html_table(caption: str, head, rows) -> str:
+def html_table(caption: str, head: Sequence[str], rows: Iterable[Sequence[Any]]) -> str:
     """A table in HTML."""
     lines = [_html_row("th", head), *(_html_row("td", row) for row in rows)]
     return f"<table><caption>{caption}</caption><thead>{lines[0]}</thead><tbody>{''.join(lines[1:])}</tbody></table>"
 
 
-def _html_row(kind: str, cells) -> str:
+def _html_row(kind: str, cells: Sequence[Any]) -> str:
     return "<tr>" + "".join(f"<{kind}>{cell}</{kind}>" for cell in cells) + "</tr>"
 
 
 # ---- shapes ------------------------------------------------------------------------------------------
 
 
-def first_row(wrong: np.ndarray) -> tuple[tuple[int, ...], str]:
+def first_row(wrong: Array) -> tuple[tuple[int, ...], str]:
     """The index of the first row of a batch where something is wrong, and words that name all of them."""
-    return np.unravel_index(wrong.argmax(), wrong.shape), named_rows(np.flatnonzero(wrong) if wrong.ndim else [])
+    row = tuple(int(n) for n in np.unravel_index(wrong.argmax(), wrong.shape))
+    return row, named_rows(np.flatnonzero(wrong).tolist() if wrong.ndim else [])
 
 
-def batch_index(index, shape: tuple[int, ...], name: str) -> tuple:
+def batch_index(index: Any, shape: tuple[int, ...], name: str) -> tuple[Any, ...]:
     """An index of a batch, completed to one of an array with more axes behind those of the batch."""
     index = index if isinstance(index, tuple) else (index,)
     if not shape and any(part is not Ellipsis for part in index):
@@ -465,7 +474,7 @@ def batch_index(index, shape: tuple[int, ...], name: str) -> tuple:
     return index if any(part is Ellipsis for part in index) and not shape else (*index, *_rest(index))
 
 
-def _rest(index: tuple) -> tuple:
+def _rest(index: tuple[Any, ...]) -> tuple[Any, ...]:
     return (slice(None),) if any(part is Ellipsis for part in index) else (Ellipsis, slice(None))
 
 
@@ -474,12 +483,12 @@ def broadcast(x: DualQuaternion, shape: tuple[int, ...]) -> DualQuaternion:
     return x if x.shape == shape else DualQuaternion(np.broadcast_to(x.coeffs, (*shape, 8)))
 
 
-def plain(values):
+def plain(values: Array) -> Any:
     """A Python number for a single chain, an array for a batch."""
     return np.asarray(values).item() if np.ndim(values) == 0 else values
 
 
-def count_or_nan(values: np.ndarray) -> np.ndarray:
+def count_or_nan(values: Array) -> Array:
     """Whole numbers as integers, unless there is NaN among them."""
     return values if np.isnan(values).any() else values.astype(int)
 
@@ -487,16 +496,16 @@ def count_or_nan(values: np.ndarray) -> np.ndarray:
 # ---- geometry ----------------------------------------------------------------------------------------
 
 
-def _dot(x: np.ndarray, y: np.ndarray) -> np.ndarray:
+def _dot(x: Array, y: Array) -> Array:
     return (x * y).sum(axis=-1)
 
 
-def _angle_about(axis: np.ndarray, x: np.ndarray, y: np.ndarray) -> np.ndarray:
+def _angle_about(axis: Array, x: Array, y: Array) -> Array:
     """The angle from x to y about an axis of length 1, from −π to π."""
     return np.arctan2(_dot(np.cross(x, y), axis), _dot(x, y))
 
 
-def _middle(directions: np.ndarray, moments: np.ndarray) -> np.ndarray:
+def _middle(directions: Array, moments: Array) -> Array:
     """The point with the least sum of squared distances from lines; for parallel ones, near their feet.
 
     The normal matrix Σ (1 − l lᵀ) is kept off singular ones, which a second step makes good.
@@ -510,7 +519,7 @@ def _middle(directions: np.ndarray, moments: np.ndarray) -> np.ndarray:
     return middle
 
 
-def _perpendiculars(directions: np.ndarray, points: np.ndarray, tiny: np.ndarray) -> Perpendiculars:
+def _perpendiculars(directions: Array, points: Array, tiny: Array) -> Perpendiculars:
     """The common perpendiculars; shorter than ``tiny`` counts as no length, so that rounding gives no direction."""
     after, beyond = np.roll(directions, -1, axis=-2), np.roll(points, -1, axis=-2)
     normal, gap = np.cross(directions, after), beyond - points
@@ -525,7 +534,9 @@ def _perpendiculars(directions: np.ndarray, points: np.ndarray, tiny: np.ndarray
     return _through_previous_feet(found, directions, points, parallel, tiny) if parallel.any() else found
 
 
-def _through_previous_feet(found: Perpendiculars, directions, points, parallel, tiny) -> Perpendiculars:
+def _through_previous_feet(
+    found: Perpendiculars, directions: Array, points: Array, parallel: Array, tiny: Array
+) -> Perpendiculars:
     """For parallel neighbours the perpendicular through the foot of the one before; twice around finds them all."""
     start, end, direction, distance = (np.array(part) for part in found)
     count = parallel.shape[-1]
@@ -546,7 +557,7 @@ def _through_previous_feet(found: Perpendiculars, directions, points, parallel, 
     return Perpendiculars(start, end, direction, distance)
 
 
-def _perpendicular_to(line: np.ndarray, wish: np.ndarray) -> np.ndarray:
+def _perpendicular_to(line: Array, wish: Array) -> Array:
     """A unit vector perpendicular to a line's direction: the wish, made so, or any if that has no such part."""
     any_other = np.eye(3)[np.abs(np.nan_to_num(line)).argmin(axis=-1)]
     usable = np.linalg.norm(np.cross(line, wish), axis=-1, keepdims=True) > 0.5
@@ -555,7 +566,7 @@ def _perpendicular_to(line: np.ndarray, wish: np.ndarray) -> np.ndarray:
     return vector / np.linalg.norm(vector, axis=-1, keepdims=True)
 
 
-def _points_close_together(directions: np.ndarray, points: np.ndarray) -> np.ndarray:
+def _points_close_together(directions: Array, points: Array) -> Array:
     """One point on every axis, so that the sum of the squared distances around the loop is least."""
     count = points.shape[-2]
     sides = np.eye(count) - np.roll(np.eye(count), 1, axis=1)
@@ -564,7 +575,7 @@ def _points_close_together(directions: np.ndarray, points: np.ndarray) -> np.nda
     return points + _least_squares(system, right) * directions
 
 
-def _least_squares(system: np.ndarray, right: np.ndarray) -> np.ndarray:
+def _least_squares(system: Array, right: Array) -> Array:
     """The shortest of the best solutions; where the normal equations would lose digits, by singular values."""
     undefined = ~np.isfinite(system).all(axis=(-1, -2), keepdims=True)
     system = np.where(undefined, 0.0, system)
@@ -578,7 +589,7 @@ def _least_squares(system: np.ndarray, right: np.ndarray) -> np.ndarray:
     return solution
 
 
-def _feet(ends: np.ndarray, directions: np.ndarray) -> np.ndarray:
+def _feet(ends: Array, directions: Array) -> Array:
     """The feet of the common perpendicular of each axis and the one before; near the given ends if parallel."""
     before, here = np.roll(directions, 1, axis=-2), directions
     gap, normal = ends[..., 1, :] - ends[..., 0, :], np.cross(before, here)
@@ -590,6 +601,6 @@ def _feet(ends: np.ndarray, directions: np.ndarray) -> np.ndarray:
     return ends + np.stack([first[..., None] * before, second[..., None] * here], axis=-2)
 
 
-def _spread(points: np.ndarray) -> np.ndarray:
+def _spread(points: Array) -> Array:
     """How far points, shape (..., n, 2, 3), are from their mean."""
     return np.linalg.norm(points - points.mean(axis=(-3, -2), keepdims=True), axis=-1).max(axis=(-2, -1))

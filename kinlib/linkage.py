@@ -9,7 +9,7 @@ from dataclasses import InitVar, dataclass, field
 from fractions import Fraction
 from functools import cached_property, reduce
 from itertools import accumulate
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -22,6 +22,7 @@ from kinlib.motion_polynomial import MotionPolynomial, RationalCurve, evaluate
 from kinlib.poses import as_pose
 from kinlib.projective import null_space
 from kinlib.scalar import RTOL, as_float, as_scalars, is_exact, is_zero, size
+from kinlib.typing import Array, ArrayLike, PointLike, PoseLike, ScalarLike
 
 __all__ = ["Linkage"]
 
@@ -77,15 +78,17 @@ class Linkage:
     joints: Sequence[int]
     coupler: int
     home: DualQuaternion = field(default_factory=lambda: one)
-    parameters: tuple = ()
+    parameters: tuple[Any, ...] = ()
     rtol: InitVar[float] = CLOSED
 
-    def __post_init__(self, rtol: float):
+    def __post_init__(self, rtol: float) -> None:
         self._set(_as_factors(self.factors), self.joints, self.coupler, _as_home(self.home), self.parameters)
         self._check_turns(max(rtol, CLOSED))
         self._check_closure(rtol)
 
-    def _set(self, factors, joints, coupler, home, parameters) -> None:
+    def _set(
+        self, factors: Sequence[DualQuaternion], joints: Any, coupler: Any, home: DualQuaternion, parameters: Any
+    ) -> None:
         joints = tuple(_whole(count, "joints as whole numbers of factors") for count in _as_tuple(joints, "joints"))
         coupler, parameters = _whole(coupler, "the coupler as a whole number"), _as_tuple(parameters, "parameters")
         if min(joints, default=0) < 1 or sum(joints) != len(factors):
@@ -98,7 +101,16 @@ class Linkage:
         object.__setattr__(self, "parameters", parameters)
 
     @classmethod
-    def from_chains(cls, first, second, *, home=one, joints=None, parameters=(), rtol: float = CLOSED) -> Linkage:
+    def from_chains(
+        cls,
+        first: Sequence[DualQuaternion],
+        second: Sequence[DualQuaternion],
+        *,
+        home: PoseLike = one,
+        joints: Sequence[int] | None = None,
+        parameters: Sequence[ScalarLike | Array] = (),
+        rtol: float = CLOSED,
+    ) -> Linkage:
         """Close the loop of two chains (t − h_1) ⋯ (t − h_m) = (t − k_1) ⋯ (t − k_n) that carry the same coupler.
 
         Parameters
@@ -114,7 +126,7 @@ class Linkage:
         rtol : float
             How far floats may be from closed.
         """
-        return cls(*_loop(first, second, joints), home, parameters, rtol)
+        return cls(*_loop(first, second, joints), _as_home(home), _as_tuple(parameters, "parameters"), rtol)
 
     @cached_property
     def shape(self) -> tuple[int, ...]:
@@ -131,7 +143,7 @@ class Linkage:
             raise TypeError("a single linkage has no length; the number of its joints is .joint_count")
         return self.shape[0]
 
-    def __getitem__(self, index) -> Linkage:
+    def __getitem__(self, index: Any) -> Linkage:
         """Entries of the batch, indexed as an array of shape ``self.shape``."""
         where = batch_index(index, self.shape, "linkage")[:-1]
         pick = [broadcast(f, self.shape)[where] for f in (*self.factors, self.home)]
@@ -141,7 +153,7 @@ class Linkage:
     def __iter__(self) -> Iterator[Linkage]:
         return (self[n] for n in range(len(self)))
 
-    def astype(self, dtype) -> Linkage:
+    def astype(self, dtype: Any) -> Linkage:
         """The same linkage with numbers of another kind, such as ``float``."""
         factors, home = [f.astype(dtype) for f in self.factors], self.home.astype(dtype)
         parameters = tuple(np.asarray(t).astype(dtype)[()] for t in self.parameters)
@@ -166,7 +178,7 @@ class Linkage:
         """The table of the chain at home."""
         return self.chain._repr_latex_()
 
-    def __getstate__(self) -> dict:
+    def __getstate__(self) -> dict[str, Any]:
         names = ("factors", "joints", "coupler", "home", "parameters")
         return {name: self.__dict__[name] for name in names}  # what is computed from them is left behind
 
@@ -188,7 +200,7 @@ class Linkage:
         """The closed chain of the axes at home, t = ∞."""
         return Chain.wrap(self.axes)
 
-    def at(self, t) -> Chain:
+    def at(self, t: ArrayLike) -> Chain:
         """The closed chain of the axes at t, which broadcasts against the batch."""
         return Chain.wrap(self.configuration(t))
 
@@ -200,10 +212,10 @@ class Linkage:
         return self.chain.denavit_hartenberg()
 
     @cached_property
-    def _bars(self) -> np.ndarray:
+    def _bars(self) -> Array:
         return self.chain.bars(near=as_float(act(self.home, [0, 0, 0])))
 
-    def bars(self) -> np.ndarray:
+    def bars(self) -> Array:
         """The two ends of every link at home, link 0 first, shape (..., n, 2, 3), in units of length.
 
         See :meth:`Chain.bars <kinlib.Chain.bars>`; what the axes leave free goes by the origin of the coupler's frame.
@@ -218,15 +230,15 @@ class Linkage:
         first = self.factors[: sum(self.joints[: self.coupler])]
         return MotionPolynomial.from_coefficients(c * self.home for c in product_of(first))
 
-    def coupler_curve(self, point) -> RationalCurve:
+    def coupler_curve(self, point: PointLike) -> RationalCurve:
         """The path of a point, shape (3,), of the coupler's frame."""
         return self.coupler_motion.trajectory(point)
 
-    def link_displacements(self, t) -> DualQuaternion:
+    def link_displacements(self, t: ArrayLike) -> DualQuaternion:
         """The displacements of all links from t = ∞ to t; shape (..., n), t broadcasts against the batch."""
         turns = [_turn(self.joint_factors(n), t) for n in range(self.joint_count - 1)]
         links = accumulate(turns, lambda link, turn: unit(link * turn), initial=self._identity)
-        shape = np.broadcast_shapes(self.shape, np.shape(t))
+        shape = np.broadcast_shapes(self.shape, np.asarray(t).shape)
         return DualQuaternion.stack([broadcast(link, shape) for link in links], axis=-1)
 
     @property
@@ -234,12 +246,12 @@ class Linkage:
         """The identity, in scalars of the linkage's kind; NaN in NaN rows."""
         return broadcast(self.factors[0] * 0 + 1, self.shape)
 
-    def configuration(self, t) -> DualQuaternion:
+    def configuration(self, t: ArrayLike) -> DualQuaternion:
         """The half-turns about all axes at t; shape (..., n)."""
         links = self.link_displacements(t)
         return unit(links * self.axes * links.conjugate())
 
-    def joint_angles(self, t) -> np.ndarray:
+    def joint_angles(self, t: ArrayLike) -> Array:
         """The angles that the joints have turned from t = ∞ (+∞ and −∞ differ by one round); radians, (..., n).
 
         The factor t − f turns by −2 arccot((t − Re f)/|Im f|), so the angles are continuous in t.
@@ -248,7 +260,7 @@ class Linkage:
         angles = [self._angle(n, t) for n in range(self.joint_count)]
         return np.stack(np.broadcast_arrays(*angles), axis=-1)
 
-    def _angle(self, joint: int, t: np.ndarray):
+    def _angle(self, joint: int, t: Array) -> Array:
         factors = [f.astype(float) for f in self.joint_factors(joint)]
         axis = axis_of(factors[0])
         return sum(-2 * np.arctan2(null_form(f, axis), t - f.scalar_part) for f in factors)
@@ -289,7 +301,7 @@ class Linkage:
                 seen, coefficients = quotient, divide_by_quadratic(coefficients, quadratic_of(f))[0]
         return MotionPolynomial.from_coefficients(coefficients)
 
-    def mobility(self, t=None, *, rtol: float = RTOL):
+    def mobility(self, t: ArrayLike | None = None, *, rtol: float = RTOL) -> Any:
         """The degree of freedom: of the motion, or at one position of it.
 
         Parameters
@@ -320,7 +332,7 @@ class Linkage:
             return plain(self.joint_count - np.reshape(rows, self.shape))
         return plain(count_or_nan(self.joint_count - self._general_rank(bound, rtol)))
 
-    def _general_rank(self, bound: int, rtol: float) -> np.ndarray:
+    def _general_rank(self, bound: int, rtol: float) -> Array:
         """The largest rank of the axes' Plücker coordinates over some general t, at most the bound."""
         rank = np.full(self.shape, -1)
         for t in self._samples():
@@ -330,7 +342,7 @@ class Linkage:
                 break
         return rank
 
-    def _samples(self) -> list[np.ndarray]:
+    def _samples(self) -> list[Array]:
         """General values of t, neither bunched together nor far from where the motion turns."""
         return [self._centred.middle + self._centred.spread * x for x in SAMPLES]
 
@@ -344,7 +356,7 @@ class Linkage:
     def _centred(self) -> Centred:
         return Centred.of(self)
 
-    def closure_residual(self):
+    def closure_residual(self) -> Any:
         """How far the product of all factors is from a real polynomial, relative to its size; 0 if exact.
 
         Each coefficient is compared with the same coefficient of Π(t + |f|), dual parts with the size of the chain
@@ -366,7 +378,7 @@ class Linkage:
         product = DualQuaternion.stack(product_of([broadcast(f, self.shape) for f in self.factors]), axis=-1)
         return bool(np.all(is_zero(product.components[1:])))
 
-    def _halves(self, factors) -> tuple:
+    def _halves(self, factors: Sequence[DualQuaternion]) -> tuple[Sequence[DualQuaternion], Sequence[DualQuaternion]]:
         """The two chains to the coupler if they have equally many factors, else nothing."""
         count = sum(self.joints[: self.coupler])
         first, second = factors[:count], [f.conjugate() for f in reversed(factors[count:])]
@@ -386,7 +398,7 @@ class Linkage:
                     "products" + _ROUNDED * (not self._is_exact)
                 )
 
-    def _difference_of_chains(self):
+    def _difference_of_chains(self) -> Any:
         """How far the two chains to the coupler are from having equal products, if they may have."""
         first, second = self._halves(self._centred.factors)
         if not first:
@@ -428,9 +440,9 @@ class Centred(NamedTuple):
     """
 
     factors: list[DualQuaternion]
-    middle: np.ndarray
-    spread: np.ndarray
-    noise: np.ndarray
+    middle: Array
+    spread: Array
+    noise: Array
 
     @classmethod
     def of(cls, linkage: Linkage) -> Centred:
@@ -454,7 +466,14 @@ class Centred(NamedTuple):
 # ---- making linkages ---------------------------------------------------------------------------------
 
 
-def verified_linkage(factors, joints, coupler: int, home=one, parameters=(), motion=None) -> Linkage:
+def verified_linkage(
+    factors: Sequence[DualQuaternion],
+    joints: Sequence[int],
+    coupler: int,
+    home: DualQuaternion = one,
+    parameters: Sequence[ScalarLike | Array] = (),
+    motion: MotionPolynomial | None = None,
+) -> Linkage:
     """A linkage that is known to close, without the check.
 
     Parameters
@@ -471,12 +490,22 @@ def verified_linkage(factors, joints, coupler: int, home=one, parameters=(), mot
     return linkage
 
 
-def verified_loop(first, second, *, home=one, joints=None, parameters=(), motion=None) -> Linkage:
+def verified_loop(
+    first: Sequence[DualQuaternion],
+    second: Sequence[DualQuaternion],
+    *,
+    home: DualQuaternion = one,
+    joints: Sequence[int] | None = None,
+    parameters: Sequence[ScalarLike | Array] = (),
+    motion: MotionPolynomial | None = None,
+) -> Linkage:
     """The loop of two chains with products that are known to be equal: :meth:`Linkage.from_chains` unchecked."""
     return verified_linkage(*_loop(first, second, joints), home, parameters, motion)
 
 
-def _loop(first, second, joints) -> tuple[tuple, tuple, int]:
+def _loop(
+    first: Any, second: Any, joints: Sequence[int] | None
+) -> tuple[tuple[DualQuaternion, ...], tuple[int, ...], int]:
     """The factors around the loop of two chains, the joints, and the number of the link where the chains meet."""
     first, second = _as_factors(first), _as_factors(second)
     factors = (*first, *(f.conjugate() for f in reversed(second)))
@@ -487,7 +516,7 @@ def _loop(first, second, joints) -> tuple[tuple, tuple, int]:
     return factors, joints, ends.index(len(first)) + 1
 
 
-def _as_home(home) -> DualQuaternion:
+def _as_home(home: PoseLike) -> DualQuaternion:
     """The pose of the coupler at home; rows of NaN are let through."""
     if not isinstance(home, DualQuaternion):
         home = as_pose(home)
@@ -496,21 +525,21 @@ def _as_home(home) -> DualQuaternion:
     return home
 
 
-def _as_tuple(values, name: str) -> tuple:
+def _as_tuple(values: Any, name: str) -> tuple[Any, ...]:
     try:
         return tuple(values)
     except TypeError:
         raise TypeError(f"expected a sequence for {name}, got {values!r}") from None
 
 
-def _whole(number, what: str) -> int:
+def _whole(number: Any, what: str) -> int:
     try:
         return operator.index(number)
     except TypeError:
         raise TypeError(f"expected {what}, got {number!r}") from None
 
 
-def _as_factors(factors) -> tuple[DualQuaternion, ...]:
+def _as_factors(factors: Any) -> tuple[DualQuaternion, ...]:
     if isinstance(factors, DualQuaternion) or not isinstance(factors, Sequence):
         raise TypeError(f"expected a sequence of dual quaternions f, one for each factor t − f, got {factors!r}")
     for f in factors:
@@ -523,7 +552,7 @@ def _as_factors(factors) -> tuple[DualQuaternion, ...]:
     return tuple(factors)
 
 
-def _pitch(f: DualQuaternion, chain: Chain) -> np.ndarray:
+def _pitch(f: DualQuaternion, chain: Chain) -> Array:
     """How far f is from x + y h with a half-turn h, in parts of its size: 0 only if it is exactly that."""
     d0, product = f.components[4], study_form(f, f)
     if is_exact(f.components) and np.all(is_zero(d0) & is_zero(product)):
@@ -534,7 +563,7 @@ def _pitch(f: DualQuaternion, chain: Chain) -> np.ndarray:
     return np.maximum(np.abs(f.components[4]), np.abs(study_form(f, f)) / turning) / length
 
 
-def _turns_about(axis: DualQuaternion, f: DualQuaternion, chain: Chain, rtol: float):
+def _turns_about(axis: DualQuaternion, f: DualQuaternion, chain: Chain, rtol: float) -> Any:
     """Whether a rotation f has a given axis; NaN is let through."""
     f = f - f.scalar_part
     commutator = f * axis - axis * f
@@ -550,25 +579,25 @@ def _turns_about(axis: DualQuaternion, f: DualQuaternion, chain: Chain, rtol: fl
 # ---- measures ----------------------------------------------------------------------------------------
 
 
-def _listed(parameters) -> str:
+def _listed(parameters: tuple[Any, ...]) -> str:
     """Parameter values in words."""
     if any(np.ndim(t) for t in parameters):
         return f"{len(parameters)} values of t"
     return "t = " + ", ".join(f"{float(t):.6g}".replace("inf", "∞") for t in parameters)
 
 
-def _distance(pose: DualQuaternion) -> np.ndarray:
+def _distance(pose: DualQuaternion) -> Array:
     """How far a displacement moves the origin, about: twice the ratio of dual and primal part."""
     coeffs = as_float(pose.coeffs)
     return 2 * np.linalg.norm(coeffs[..., 4:], axis=-1) / np.linalg.norm(coeffs[..., :4], axis=-1)
 
 
-def _turn(factors, t) -> DualQuaternion:
+def _turn(factors: Sequence[DualQuaternion], t: Any) -> DualQuaternion:
     """The displacement of a joint from infinity to t."""
     return reduce(lambda q, f: q * evaluate((one, -f), t), factors, one)
 
 
-def _bound(factors: Sequence[DualQuaternion]) -> np.ndarray:
+def _bound(factors: Sequence[DualQuaternion]) -> Array:
     """The coefficients of Π (t + |f|), highest power on the first axis."""
     bound = [np.ones(factors[0].shape)]
     for f in factors:
@@ -577,7 +606,7 @@ def _bound(factors: Sequence[DualQuaternion]) -> np.ndarray:
     return np.stack(bound)
 
 
-def _beside_real(coefficients: Sequence[DualQuaternion], bound: np.ndarray, *, all_of_it: bool = False):
+def _beside_real(coefficients: Sequence[DualQuaternion], bound: Array, *, all_of_it: bool = False) -> Array:
     """The largest coefficient beside the real ones (or of all), each relative to its bound; shape (...).
 
     The leading coefficient, which is 1 or 0, is left out.
@@ -586,7 +615,7 @@ def _beside_real(coefficients: Sequence[DualQuaternion], bound: np.ndarray, *, a
     return (np.abs(components).max(axis=1) / bound[1:]).max(axis=0)
 
 
-def _negligible(remainder, coefficients) -> bool:
+def _negligible(remainder: Sequence[DualQuaternion], coefficients: Sequence[DualQuaternion]) -> bool:
     """Whether a remainder vanishes, in every row of a batch that is not NaN."""
     fine = undefined = _undefined(coefficients[-1])
     for half in (slice(0, 4), slice(4, 8)):
@@ -598,7 +627,7 @@ def _negligible(remainder, coefficients) -> bool:
     return bool(np.all(fine) and not np.all(undefined))
 
 
-def _undefined(q: DualQuaternion) -> np.ndarray:
+def _undefined(q: DualQuaternion) -> Array:
     return np.isnan(q.components).any(axis=0) if q.components.dtype.kind == "f" else np.zeros(q.shape, dtype=bool)
 
 
