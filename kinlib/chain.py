@@ -168,7 +168,7 @@ class Chain:
         ValueError: the loop does not close: its end is turned by 0.283 and shifted by 0.207 against its start; \
 give angles that close it, or rtol= if the numbers are rounded
         """
-        table = [tuple(as_float(x) for x in row) for row in rows]
+        table = _as_table(rows)
         turns = np.moveaxis(np.atleast_1d(as_float(angles)), -1, 0)
         if len(table) != len(turns):
             raise ValueError(f"expected as many angles as rows: got {len(turns)} angles and {len(table)} rows")
@@ -411,6 +411,13 @@ def _stacked(items: Any) -> DualQuaternion:
 def _lengths(vector: Sequence[Array] | Array) -> Array:
     """The lengths of vectors given by components, in floats."""
     return np.sqrt(sum(as_float(x) ** 2 for x in vector))
+
+
+def _as_table(rows: Any) -> list[tuple[Array, Array, Array]]:
+    try:
+        return [(as_float(distance), as_float(twist), as_float(offset)) for distance, twist, offset in rows]
+    except (TypeError, ValueError):
+        raise TypeError(f"expected rows of three numbers: distance, twist and offset, got {rows!r}") from None
 
 
 def _step(angle: Array, distance: Array, twist: Array, offset: Array) -> DualQuaternion:

@@ -214,6 +214,9 @@ def test_a_table_that_does_not_close_says_by_how_much():
         Chain.from_denavit_hartenberg(longer, angles)
     with pytest.raises(ValueError, match="4 angles and 5 rows"):
         Chain.from_denavit_hartenberg(rows, angles[:4])
+    for wrong in (None, 5, [1, 2, 3], [(1, 2)] * 5, [("a", 0, 0)] * 5):
+        with pytest.raises(TypeError, match="three numbers"):
+            Chain.from_denavit_hartenberg(wrong, angles)
 
 
 def test_rows_of_a_batch_that_do_not_close_are_named_or_nan():
