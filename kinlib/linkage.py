@@ -236,6 +236,7 @@ class Linkage:
 
     def link_displacements(self, t: ArrayLike) -> DualQuaternion:
         """The displacements of all links from t = ∞ to t; shape (..., n), t broadcasts against the batch."""
+        t = as_scalars(t)[()]
         turns = [_turn(self.joint_factors(n), t) for n in range(self.joint_count - 1)]
         links = accumulate(turns, lambda link, turn: unit(link * turn), initial=self._identity)
         shape = np.broadcast_shapes(self.shape, np.asarray(t).shape)
@@ -256,7 +257,7 @@ class Linkage:
 
         The factor t − f turns by −2 arccot((t − Re f)/|Im f|), so the angles are continuous in t.
         """
-        t = as_float(t)
+        t = as_float(as_scalars(t))
         angles = [self._angle(n, t) for n in range(self.joint_count)]
         return np.stack(np.broadcast_arrays(*angles), axis=-1)
 

@@ -39,6 +39,9 @@ from kinlib.linkage import verified_loop
 from kinlib.testing import assert_closes, assert_same_point, assert_visits, random_poses
 from problems import random_displacement
 
+H1, H2 = i, 2 * j - 2 * eps * i
+K1, K2 = bennett_flip(H1, H2)
+
 TIMES = (-3.0, -0.4, 0.2, 1.7, 40.0)
 
 
@@ -603,6 +606,26 @@ def test_a_batch_has_a_length_and_a_single_linkage_has_not():
         batch[0, 0, 0]
 
 
+def test_home_and_parameters_may_be_the_batch():
+    place = translation(np.array([[1.0, 2, 3], [4, 5, 6], [7, 8, 9]]))
+    linkage = Linkage.from_chains([H1, H2], [K1, K2], home=place, parameters=(math.inf, np.array([1.0, 2, 3])))
+    assert linkage.shape == (3,)
+    assert linkage.axes.shape == (3, 4)
+    assert linkage.mobility().tolist() == [1, 1, 1]
+    assert linkage[1].parameters == (math.inf, 2.0)
+    assert same_point(linkage[1].coupler_motion(math.inf), place[1])
+    assert linkage.relative_motion(1, 1).shape == (3,)
+
+
+def test_a_batch_without_rows():
+    linkage = BATCHES["Goldberg"](random_poses(3, seed=5, shape=(2,)))[:0]
+    assert (linkage.shape, len(linkage), list(linkage)) == ((0,), 0, [])
+    assert linkage.mobility().shape == linkage.closure_residual().shape == (0,)
+    assert linkage.bars().shape == (0, 5, 2, 3)
+    assert linkage.denavit_hartenberg()[0].distance.shape == (0,)
+    assert linkage.joint_angles(0.3).shape == (0, 5)
+
+
 def test_what_costs_is_computed_once():
     linkage = examples()["6R 0"]
     for name in ("axes", "chain", "coupler_motion"):
@@ -678,10 +701,6 @@ def test_home_is_a_pose_of_any_kind():
         assert same_point(Linkage.from_chains(*chains, home=home).coupler_motion(math.inf), place)
 
 
-H1, H2 = i, 2 * j - 2 * eps * i
-K1, K2 = bennett_flip(H1, H2)
-
-
 @pytest.mark.parametrize(
     ("make", "error", "words"),
     [
@@ -703,6 +722,8 @@ K1, K2 = bennett_flip(H1, H2)
         (lambda: Linkage([one, one, one], [1] * 3, 1), ValueError, "no axis"),
         (lambda: four_bar(H1, H2 + eps * j), ValueError, "factor number 1 is no rotation"),
         (lambda: four_bar(H1.astype(float), H2 + 1e-5 * eps), ValueError, r"off by 2.78e-06 of its size \(rtol="),
+        (lambda: Linkage.from_chains([H1, H2], [K1, K2]).joint_angles(None), TypeError, "expected numbers"),
+        (lambda: Linkage.from_chains([H1, H2], [K1, K2]).at("0"), TypeError, "expected numbers"),
         (lambda: Linkage.from_chains([H1, H2], [K1, K2]).relative_motion(0, 1.5), TypeError, "whole numbers"),
     ],
 )
