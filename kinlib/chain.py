@@ -271,7 +271,7 @@ give angles that close it, or rtol= if the numbers are rounded
     def rank(self, rtol: float = RTOL) -> Array:
         """The rank of the Plücker coordinates, in units of the chain's length; NaN in NaN rows."""
         directions, points, _, length, noise = self.lines
-        unit_length = np.where(length > noise, length, 1.0)[..., None, None]
+        unit_length = np.where(length > noise, length, np.inf)[..., None, None]  # axes that meet have no moments
         matrix = np.concatenate([directions, np.cross(points, directions) / unit_length], axis=-1)
         undefined = ~np.isfinite(matrix).all(axis=(-1, -2))
         singular = np.linalg.svd(np.where(undefined[..., None, None], 0.0, matrix), compute_uv=False)
