@@ -1,6 +1,7 @@
 """The algebra of 2R dyads by name, and 4R, 5R and 6R linkages from poses."""
 
 from kinlib.bennett import bennett_linkage
+from kinlib.chain import Chain, DHRow
 from kinlib.displacement import (
     act,
     as_matrix,
@@ -20,7 +21,7 @@ from kinlib.factorization import bennett_flip, exchange, factorizations, factori
 from kinlib.goldberg import goldberg_linkages
 from kinlib.interpolation import Families, conic_through, cubics_through, fourth_parameters
 from kinlib.line import Line, common_perpendicular
-from kinlib.linkage import DHRow, Linkage
+from kinlib.linkage import Linkage
 from kinlib.motion_polynomial import MotionPolynomial, RationalCurve, linear_factor
 from kinlib.number_field import NumberField, NumberFieldElement, square_root
 from kinlib.poses import as_pose
@@ -42,6 +43,7 @@ __all__ = [
     "EXCEPTIONAL_SPACE",
     "NULL_CONE",
     "STUDY_QUADRIC",
+    "Chain",
     "DHRow",
     "DegenerateError",
     "DualQuaternion",

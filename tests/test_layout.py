@@ -31,6 +31,7 @@ ORDER = [
     "cubics",
     "interpolation",
     "dyad",
+    "chain",
     "linkage",
     "three_poses",
     "bennett",
@@ -70,7 +71,7 @@ PUBLIC = [
     "Subspace", "STUDY_QUADRIC", "NULL_CONE", "EXCEPTIONAL_SPACE", "is_null_line", "Line",
     "translation", "rotation", "half_turn", "act", "from_matrix", "as_matrix", "MotionPolynomial",
     "factorizations", "factorize", "conic_through", "cubics_through", "Dyad", "TwoRSpace",
-    "recognise", "dyads_through_poses", "Linkage", "bennett_linkage", "goldberg_linkages",
+    "recognise", "dyads_through_poses", "Chain", "Linkage", "bennett_linkage", "goldberg_linkages",
     "six_r_linkages", "DegenerateError",
 ]  # fmt: skip
 
