@@ -14,9 +14,9 @@ from kinlib.displacement import (
     unit,
 )
 from kinlib.dual_quaternion import DualQuaternion, eps, i, j, k, null_form, one, study_form
-from kinlib.dyad import Dyad, NullQuadrilateral, TwoRSpace, recognise
+from kinlib.dyad import Dyad, NullQuadrilateral, TwoRSpace, primal_coordinates, recognise
 from kinlib.errors import DegenerateError
-from kinlib.factorization import bennett_flip, factorizations, factorize, quadratic_factors
+from kinlib.factorization import bennett_flip, factorizations, factorize, quadratic_factors, quadratic_of
 from kinlib.goldberg import goldberg_linkages
 from kinlib.interpolation import conic_through, cubics_through
 from kinlib.line import Line, common_perpendicular
@@ -25,7 +25,8 @@ from kinlib.motion_polynomial import MotionPolynomial, RationalCurve, linear_fac
 from kinlib.number_field import NumberField, NumberFieldElement, square_root
 from kinlib.poses import as_pose
 from kinlib.projective import Subspace, join, meet, null_space, same_point
-from kinlib.quadric import Quadric
+from kinlib.quadric import Quadric, binary_roots
+from kinlib.scalar import as_float, as_scalars, divide, is_exact, is_zero, size
 from kinlib.six_r import six_r_linkages
 from kinlib.study import (
     EXCEPTIONAL_SPACE,
@@ -58,15 +59,19 @@ __all__ = [
     "ZFault",
     "ZPlane",
     "act",
+    "as_float",
     "as_matrix",
     "as_pose",
     "as_rigid_transform",
+    "as_scalars",
     "axis_of",
     "bennett_flip",
     "bennett_linkage",
+    "binary_roots",
     "common_perpendicular",
     "conic_through",
     "cubics_through",
+    "divide",
     "dyads_through_poses",
     "eps",
     "factorizations",
@@ -76,7 +81,9 @@ __all__ = [
     "goldberg_linkages",
     "half_turn",
     "i",
+    "is_exact",
     "is_null_line",
+    "is_zero",
     "j",
     "join",
     "k",
@@ -85,11 +92,14 @@ __all__ = [
     "null_form",
     "null_space",
     "one",
+    "primal_coordinates",
     "quadratic_factors",
+    "quadratic_of",
     "recognise",
     "rotation",
     "same_point",
     "six_r_linkages",
+    "size",
     "square_root",
     "study_eigenvalues",
     "study_form",

@@ -44,15 +44,6 @@ ORDER = [
     "scene",
     "gallery",
     "testing",
-    "exercises.lot",
-    "exercises.withhold",
-    "exercises.checks",
-    "exercises.dual_quaternions",
-    "exercises.displacements",
-    "exercises.null_lines",
-    "exercises.two_r_spaces",
-    "exercises.bennett",
-    "exercises.goldberg",
 ]
 PICTURES = {"draw", "scene"}
 

@@ -2,10 +2,10 @@
 
 import numpy as np
 import pytest
-from marks import Marks
 
 from kinlib import DegenerateError, DualQuaternion, recognise, same_point
-from kinlib.exercises import two_r_spaces as exercise
+from kinlib_assignments import two_r_spaces as exercise
+from marks import Marks
 
 SLIPS = {
     "the Study form is half of what it should be": (

@@ -91,7 +91,7 @@ def test_a_neighbours_id_gives_no_marks_for_his_numbers(tmp_path):
 def of_emmy() -> str:
     from fractions import Fraction
 
-    from kinlib.exercises import dual_quaternions as exercise
+    from kinlib_assignments import dual_quaternions as exercise
 
     p0, p1, p2, p3, _, d1, d2, d3 = exercise.data("emmy").q
     value = -Fraction(p1 * d1 + p2 * d2 + p3 * d3, p0)

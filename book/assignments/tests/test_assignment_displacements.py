@@ -4,10 +4,10 @@ import math
 from itertools import permutations
 
 import numpy as np
-from marks import Marks
 
 from kinlib import DualQuaternion, same_point, study_form
-from kinlib.exercises import displacements as exercise
+from kinlib_assignments import displacements as exercise
+from marks import Marks
 
 SLIPS = {
     "the sign of ε in equation (1) is dropped": (

@@ -1,9 +1,8 @@
 """The assignment on null lines: who is right gets the points, who is wrong loses those of the slip."""
 
-from marks import Marks
-
 from kinlib import EXCEPTIONAL_SPACE, STUDY_QUADRIC, DualQuaternion, eps, join, meet, null_form, study_form
-from kinlib.exercises import null_lines as exercise
+from kinlib_assignments import null_lines as exercise
+from marks import Marks
 
 SLIPS = {
     "the third product of Lemma 1 is forgotten": (
