@@ -7,31 +7,22 @@ from __future__ import annotations
 
 import multiprocessing
 import os
+import pkgutil
 import signal
-import sys
 from multiprocessing import forkserver
+from unittest.mock import patch
 
-import pytest
-
-from grader import masters
+import kinlib_assignments
 
 SURROUNDINGS = {"MPLBACKEND": "agg", "OPENBLAS_NUM_THREADS": "1"}  # read when the libraries are imported
+MODULES = [f"kinlib_assignments.{module.name}" for module in pkgutil.iter_modules(kinlib_assignments.__path__)]
 FORKS = multiprocessing.get_context("forkserver")
-FORKS.set_forkserver_preload(
-    [
-        "ipykernel.kernelapp",
-        "matplotlib.pyplot",
-        "sympy",
-        *(f"kinlib_assignments.{name}" for name in masters.ASSIGNMENTS),
-    ]
-)
+FORKS.set_forkserver_preload(["ipykernel.kernelapp", "matplotlib.pyplot", "pytest", "sympy", *MODULES])
 
 
 def prepare() -> None:
     """Start the process that will be forked."""
-    with pytest.MonkeyPatch.context() as patch:
-        for name, value in SURROUNDINGS.items():
-            patch.setenv(name, value)
+    with patch.dict(os.environ, SURROUNDINGS):
         forkserver.ensure_running()
 
 
@@ -78,7 +69,9 @@ def be_a_kernel(arguments: list[str], environment: dict[str, str], folder: str, 
     os.setsid()
     tell.send("ready")
     os.environ.clear()
-    os.environ.update(environment, JPY_PARENT_PID=str(os.getppid()))  # whose end is the kernel's, too
+    os.environ.update(environment)
     os.chdir(folder)
-    sys.argv = ["ipykernel_launcher", *arguments]
-    kernelapp.launch_new_instance(argv=arguments)
+    for stream in (1, 2):  # what it says to a terminal
+        os.dup2(os.open(os.devnull, os.O_WRONLY), stream)
+    ends_with_its_parent = f"--IPKernelApp.parent_handle={os.getppid()}"
+    kernelapp.launch_new_instance(argv=[*arguments, ends_with_its_parent])
