@@ -9,6 +9,8 @@ from grader import one, run
 from grader.collect import Submission
 from submissions import handed_in
 
+pytest.register_assert_rewrite("marks")  # so that its failures show both sides
+
 
 @pytest.fixture
 def grade_as_teachers_do(tmp_path):

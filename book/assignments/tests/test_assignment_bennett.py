@@ -143,6 +143,7 @@ def ratio(p1, p2):
 
 class TestMarks(Marks):
     assignment = "bennett"
+    numbers = {"data": "0ee3cdf839d2471c"}  # noqa: RUF012
     slips = SLIPS
     another_way = ANOTHER_WAY
 

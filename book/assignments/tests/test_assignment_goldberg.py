@@ -200,6 +200,7 @@ def travel(linkage):
 
 class TestMarks(Marks):
     assignment = "goldberg"
+    numbers = {"data": "95bd0fd330c12792", "brief": "7f1af30241a959da"}  # noqa: RUF012
     slips = SLIPS
     another_way = ANOTHER_WAY
     by_hand = 5

@@ -126,6 +126,7 @@ def three_lines(h, v):
 
 class TestMarks(Marks):
     assignment = "null_lines"
+    numbers = {"data": "47fe913f88986dec", "kinds": "294c5b96ac647bae", "spaces": "90ccc91a71263064"}  # noqa: RUF012
     slips = SLIPS
     another_way = ANOTHER_WAY
     by_hand = 2

@@ -118,6 +118,7 @@ def axes(basis):
 
 class TestMarks(Marks):
     assignment = "two_r_spaces"
+    numbers = {"answers": "f2b12f85a51f1372"}  # noqa: RUF012
     slips = SLIPS
     another_way = ANOTHER_WAY
 
