@@ -13,10 +13,10 @@ import psutil
 import pytest
 
 from grader import __main__ as command
-from kinlib_assignments import dual_quaternions as exercise
 from grader import masters, report
 from grader.collect import Submission, read_roster, submissions
 from grader.run import Limits, Result, graded, marked
+from kinlib_assignments import dual_quaternions as exercise
 from submissions import handed_in
 
 BOOK = masters.HERE.parent
