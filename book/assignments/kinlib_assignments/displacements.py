@@ -298,7 +298,7 @@ def assert_carries(answer, found: Data) -> None:
 # ---- what is withheld --------------------------------------------------------------------------------
 
 SHORTCUTS = (
-    *defined_beside(act, as_pose), Line.as_dual_quaternion, Line.at.__func__, Line.through.__func__,
+    *defined_beside(act), as_pose, Line.as_dual_quaternion, Line.at.__func__, Line.through.__func__,
     MotionPolynomial.trajectory, read,
 )  # fmt: skip
 """Functions that are the answer to a task, or nearly so: refused while answers are marked."""
