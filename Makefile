@@ -33,9 +33,9 @@ $(VENV)/.locked: requirements.lock
 	$(BIN)/python -m pip install --requirement requirements.lock
 	touch $@
 
-$(VENV)/.installed: $(VENV)/.locked pyproject.toml
-	@echo "== Installing kinlib"
-	$(BIN)/python -m pip install --quiet --no-deps --no-build-isolation --editable .
+$(VENV)/.installed: $(VENV)/.locked pyproject.toml book/assignments/pyproject.toml
+	@echo "== Installing kinlib and kinlib-assignments"
+	$(BIN)/python -m pip install --quiet --no-deps --no-build-isolation --editable . --editable book/assignments
 	touch $@
 
 # Built from nothing each time: a page that was not read again would keep its warnings to itself.
@@ -96,6 +96,7 @@ grade: setup
 
 clean:
 	rm -rf _build build dist kinlib.egg-info .mypy_cache .pytest_cache .ruff_cache .hypothesis
+	rm -rf book/assignments/build book/assignments/kinlib_assignments.egg-info
 	find kinlib tests book -name __pycache__ -type d -exec rm -rf {} +
 
 distclean: clean

@@ -17,7 +17,7 @@ from kinlib.displacement import (
 from kinlib.dual_quaternion import DualQuaternion, eps, i, j, k, null_form, one, study_form
 from kinlib.dyad import Dyad, NullQuadrilateral, TwoRSpace, primal_coordinates, recognise
 from kinlib.errors import DegenerateError
-from kinlib.factorization import bennett_flip, exchange, factorizations, factorize, quadratic_factors
+from kinlib.factorization import bennett_flip, exchange, factorizations, factorize, quadratic_factors, quadratic_of
 from kinlib.goldberg import goldberg_linkages
 from kinlib.interpolation import Families, conic_through, cubics_through, fourth_parameters
 from kinlib.line import Line, common_perpendicular
@@ -27,6 +27,7 @@ from kinlib.number_field import NumberField, NumberFieldElement, square_root
 from kinlib.poses import as_pose
 from kinlib.projective import Subspace, join, meet, null_space, same_point
 from kinlib.quadric import Quadric, binary_roots
+from kinlib.scalar import as_float, as_scalars, divide, is_exact, is_zero, size
 from kinlib.six_r import ADMISSIBLE_PAIRS, six_r_linkages
 from kinlib.study import (
     EXCEPTIONAL_SPACE,
@@ -62,9 +63,11 @@ __all__ = [
     "ZFault",
     "ZPlane",
     "act",
+    "as_float",
     "as_matrix",
     "as_pose",
     "as_rigid_transform",
+    "as_scalars",
     "axis_of",
     "bennett_flip",
     "bennett_linkage",
@@ -72,6 +75,7 @@ __all__ = [
     "common_perpendicular",
     "conic_through",
     "cubics_through",
+    "divide",
     "dyads_through_poses",
     "eps",
     "exchange",
@@ -83,7 +87,9 @@ __all__ = [
     "goldberg_linkages",
     "half_turn",
     "i",
+    "is_exact",
     "is_null_line",
+    "is_zero",
     "j",
     "join",
     "k",
@@ -94,10 +100,12 @@ __all__ = [
     "one",
     "primal_coordinates",
     "quadratic_factors",
+    "quadratic_of",
     "recognise",
     "rotation",
     "same_point",
     "six_r_linkages",
+    "size",
     "square_root",
     "study_eigenvalues",
     "study_form",

@@ -1,4 +1,4 @@
-"""The built book, a browser to look at it, and a grader of submissions."""
+"""The built book, and a browser to look at it."""
 
 from pathlib import Path
 from urllib.parse import urlsplit
@@ -6,10 +6,7 @@ from urllib.parse import urlsplit
 import pytest
 
 from browser import console_messages, missing_programs, requested_urls, start_chromium
-from grader.collect import Submission
-from grader.run import Limits, Result, graded
 from pages import HTML
-from submissions import handed_in
 
 SETTLED = """
 const done = arguments[0];
@@ -85,33 +82,3 @@ def look(chromium, html):
     yield at
     chromium.execute_cdp_cmd("Emulation.setEmulatedMedia", {"features": []})
     nothing_was_amiss(chromium)
-
-
-@pytest.fixture
-def grade(tmp_path):
-    """Grades a submission: ``grade(assignment, changes, student)``."""
-
-    def run(assignment: str, changes: dict | None = None, student: str = "ada") -> Result:
-        path = handed_in(assignment, tmp_path, changes)
-        return graded(Submission(student, path, assignment), Limits(), tmp_path / "kept")
-
-    return run
-
-
-@pytest.fixture
-def lost(grade):
-    """The points that a submission loses, by cell; what a person marks is left out."""
-
-    def of(assignment: str, changes: dict | None = None, student: str = "ada") -> dict[str, float]:
-        result = grade(assignment, changes, student)
-        assert not result.remark, result.remark
-        losses = {m["cell"]: m["points"] - m["mark"] for m in result.marks if m["mark"] is not None}
-        return {cell: points for cell, points in losses.items() if points}
-
-    return of
-
-
-def pytest_generate_tests(metafunc):
-    """One test for each slip that is listed for an assignment."""
-    if "slip" in metafunc.fixturenames:
-        metafunc.parametrize("slip", metafunc.cls.slips)

@@ -96,14 +96,18 @@ def plain(text: str) -> str:
     return re.sub(r"\x1b\[[0-9;]*m", "", text).strip()
 
 
+def carry_out(order: dict) -> None:
+    """Mark a submission as ordered, and write its marks down."""
+    found = marks(order["assignment"], Path(order["submission"]), Path(order["folder"]), order["seconds"])
+    Path(order["result"]).write_text(json.dumps(found), encoding="utf-8")
+
+
 def main() -> None:
     order = json.load(sys.stdin)
     limit = order["megabytes"] * 2**20
     resource.setrlimit(resource.RLIMIT_AS, (limit, limit))
     resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
-    folder = Path(order["folder"])
-    found = marks(order["assignment"], Path(order["submission"]), folder, order["seconds"])
-    Path(order["result"]).write_text(json.dumps(found), encoding="utf-8")
+    carry_out(order)
 
 
 if __name__ == "__main__":

@@ -17,6 +17,7 @@ from pathlib import Path
 import psutil
 
 import kinlib
+import kinlib_assignments
 from grader import masters
 from grader.collect import Submission
 
@@ -68,10 +69,9 @@ def digest_of(submission: Submission, limits: Limits) -> str:
 
 
 def programs() -> list[Path]:
-    """The files of kinlib and of the grader."""
-    return sorted(
-        file for folder in (Path(kinlib.__file__).parent, Path(__file__).parent) for file in folder.rglob("*.py")
-    )
+    """The files of kinlib, of what the assignments share, and of the grader."""
+    folders = [Path(file).parent for file in (kinlib.__file__, kinlib_assignments.__file__, __file__)]
+    return sorted(file for folder in folders for file in folder.rglob("*.py"))
 
 
 def marked(submission: Submission, limits: Limits) -> tuple[list[dict], str]:

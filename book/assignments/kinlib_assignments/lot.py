@@ -7,9 +7,7 @@ from collections.abc import Callable, Sequence
 from fractions import Fraction
 from hashlib import sha256
 
-from kinlib.displacement import translation
-from kinlib.dual_quaternion import DualQuaternion
-from kinlib.line import Line
+from kinlib import DualQuaternion, Line, translation
 
 __all__ = ["Lot", "student_id"]
 

@@ -8,16 +8,23 @@ from typing import NamedTuple
 
 import numpy as np
 
-from kinlib import displacement
-from kinlib.displacement import act, as_matrix, half_turn, rotation, translation
-from kinlib.dual_quaternion import DualQuaternion
-from kinlib.exercises.checks import assert_equal, assert_point, numbers
-from kinlib.exercises.lot import Lot
-from kinlib.line import Line
-from kinlib.motion_polynomial import MotionPolynomial
-from kinlib.poses import as_pose
-from kinlib.projective import same_point
-from kinlib.scalar import as_float, size
+from kinlib import (
+    DualQuaternion,
+    Line,
+    MotionPolynomial,
+    act,
+    as_float,
+    as_matrix,
+    as_pose,
+    half_turn,
+    rotation,
+    same_point,
+    size,
+    translation,
+)
+from kinlib_assignments.checks import assert_equal, assert_point, numbers
+from kinlib_assignments.lot import Lot
+from kinlib_assignments.withhold import defined_beside
 
 __all__ = [
     "LIBRARIES", "SHORTCUTS", "Data", "assert_carried", "assert_carries", "assert_in_turn", "assert_matrix",
@@ -291,7 +298,7 @@ def assert_carries(answer, found: Data) -> None:
 # ---- what is withheld --------------------------------------------------------------------------------
 
 SHORTCUTS = (
-    *(f for f in vars(displacement).values() if getattr(f, "__module__", None) == displacement.__name__),
-    Line.as_dual_quaternion, Line.at.__func__, Line.through.__func__, MotionPolynomial.trajectory, read,
+    *defined_beside(act), as_pose, Line.as_dual_quaternion, Line.at.__func__, Line.through.__func__,
+    MotionPolynomial.trajectory, read,
 )  # fmt: skip
 """Functions that are the answer to a task, or nearly so: refused while answers are marked."""

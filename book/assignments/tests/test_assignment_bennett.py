@@ -1,12 +1,10 @@
 """The assignment on Bennett linkages: who is right gets the points, who is wrong loses those of the slip."""
 
 import numpy as np
-from marks import Marks
 
-from kinlib import DualQuaternion, bennett_linkage, one, study_eigenvalues, study_form
-from kinlib.exercises import bennett as exercise
-from kinlib.factorization import upper_roots
-from kinlib.interpolation import conic
+from kinlib import DualQuaternion, bennett_linkage, conic_through, one, study_eigenvalues, study_form
+from kinlib_assignments import bennett as exercise
+from marks import Marks
 
 UNIT = "h / math.sqrt(null_form(h, h))"
 
@@ -145,6 +143,7 @@ def ratio(p1, p2):
 
 class TestMarks(Marks):
     assignment = "bennett"
+    numbers = {"data": "0ee3cdf839d2471c"}  # noqa: RUF012
     slips = SLIPS
     another_way = ANOTHER_WAY
 
@@ -158,11 +157,16 @@ def test_poses_are_well_conditioned():
     assert len(np.unique(both, axis=0)) == len(found)
     assert np.abs(both).max() < 200
     assert np.abs(study_form(p1, p1)).max() == np.abs(study_form(p2, p2)).max() == 0
-    roots = upper_roots(conic(one.astype(float), p1, p2).norm_polynomial())
+    roots = np.array([upper_roots(row) for row in conic_through(one.astype(float), p1, p2).norm_polynomial()])
     assert np.abs(roots[:, 0] - roots[:, 1]).min() > 0.3
     assert roots.imag.min() > 0.9
     assert np.diff(study_eigenvalues(one, p1, p2)).min() > 0.01
     check_linkages(bennett_linkage(one.astype(float), p1, p2))
+
+
+def upper_roots(polynomial):
+    """The roots with positive imaginary part."""
+    return [root for root in np.roots(polynomial) if root.imag > 0]
 
 
 def check_linkages(linkages):

@@ -6,13 +6,27 @@ from typing import NamedTuple
 
 import numpy as np
 
-from kinlib.dual_quaternion import DualQuaternion, eps, null_form, one, study_form
-from kinlib.dyad import Dyad, recognise
-from kinlib.exercises.checks import assert_equal, numbers
-from kinlib.exercises.lot import Lot
-from kinlib.projective import Subspace, join, meet, same_point
-from kinlib.quadric import Quadric
-from kinlib.scalar import as_float, divide, is_exact, is_zero, size
+from kinlib import (
+    DualQuaternion,
+    Dyad,
+    Quadric,
+    Subspace,
+    as_float,
+    divide,
+    eps,
+    is_exact,
+    is_zero,
+    join,
+    meet,
+    null_form,
+    one,
+    recognise,
+    same_point,
+    size,
+    study_form,
+)
+from kinlib_assignments.checks import assert_equal, numbers
+from kinlib_assignments.lot import Lot
 
 __all__ = [
     "SHORTCUTS", "VERDICTS", "Space", "answers", "assert_axes", "assert_half_turns", "assert_kappa",

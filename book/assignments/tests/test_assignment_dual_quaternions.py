@@ -1,9 +1,8 @@
 """The assignment on dual quaternions: who is right gets the points, who is wrong loses those of the slip."""
 
-from marks import Marks
-
 from kinlib import DualQuaternion
-from kinlib.exercises import dual_quaternions as exercise
+from kinlib_assignments import dual_quaternions as exercise
+from marks import Marks
 
 SLIPS = {
     "the factors are in the wrong order": (
@@ -88,6 +87,7 @@ def inverse(q):
 
 class TestMarks(Marks):
     assignment = "dual_quaternions"
+    numbers = {"data": "cdeb642d8e0199df"}  # noqa: RUF012
     slips = SLIPS
     another_way = ANOTHER_WAY
 

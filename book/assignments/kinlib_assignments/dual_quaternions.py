@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from kinlib.dual_quaternion import DualQuaternion
-from kinlib.exercises.checks import assert_equal
-from kinlib.exercises.lot import Lot
+from kinlib import DualQuaternion
+from kinlib_assignments.checks import assert_equal
+from kinlib_assignments.lot import Lot
 
 __all__ = ["Data", "assert_norm", "assert_product", "data"]
 

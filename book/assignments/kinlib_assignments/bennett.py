@@ -8,19 +8,33 @@ from typing import NamedTuple
 
 import numpy as np
 
-from kinlib import line
-from kinlib.bennett import bennett_linkage
-from kinlib.dual_quaternion import DualQuaternion, null_form, one, study_form
-from kinlib.exercises.checks import assert_equal, numbers
-from kinlib.exercises.lot import Lot
-from kinlib.factorization import bennett_flip, factorizations, factorize, quadratic_factors, quadratic_of
-from kinlib.interpolation import conic_through
-from kinlib.line import Line
-from kinlib.linkage import Linkage
-from kinlib.motion_polynomial import MotionPolynomial, linear_factor
-from kinlib.projective import same_point
-from kinlib.scalar import as_float, is_exact, is_zero, size
-from kinlib.three_poses import dyads_through_poses, study_eigenvalues
+from kinlib import (
+    DualQuaternion,
+    Line,
+    Linkage,
+    MotionPolynomial,
+    as_float,
+    bennett_flip,
+    bennett_linkage,
+    common_perpendicular,
+    conic_through,
+    dyads_through_poses,
+    factorizations,
+    factorize,
+    is_exact,
+    is_zero,
+    linear_factor,
+    null_form,
+    one,
+    quadratic_factors,
+    quadratic_of,
+    same_point,
+    size,
+    study_eigenvalues,
+    study_form,
+)
+from kinlib_assignments.checks import assert_equal, numbers
+from kinlib_assignments.lot import Lot
 
 __all__ = [
     "SHORTCUTS", "Data", "assert_at", "assert_factors", "assert_link", "assert_loop", "assert_on_quadric",
@@ -31,7 +45,7 @@ SHORTCUTS = (
     bennett_linkage, dyads_through_poses, study_eigenvalues, conic_through, quadratic_factors, factorize,
     factorizations, bennett_flip, quadratic_of, linear_factor, MotionPolynomial.__init__,
     MotionPolynomial.from_coefficients.__func__, Linkage.from_chains.__func__, Linkage.denavit_hartenberg,
-    Line.distance, Line.angle, line.common_perpendicular,
+    Line.distance, Line.angle, common_perpendicular,
 )  # fmt: skip
 """What is withheld while the answers are marked."""
 

@@ -2,10 +2,10 @@
 
 import numpy as np
 import pytest
-from marks import Marks
 
 from kinlib import DegenerateError, DualQuaternion, recognise, same_point
-from kinlib.exercises import two_r_spaces as exercise
+from kinlib_assignments import two_r_spaces as exercise
+from marks import Marks
 
 SLIPS = {
     "the Study form is half of what it should be": (
@@ -118,6 +118,7 @@ def axes(basis):
 
 class TestMarks(Marks):
     assignment = "two_r_spaces"
+    numbers = {"answers": "f2b12f85a51f1372"}  # noqa: RUF012
     slips = SLIPS
     another_way = ANOTHER_WAY
 

@@ -4,10 +4,10 @@ from fractions import Fraction
 
 import numpy as np
 import pytest
-from marks import Marks
 
 from kinlib import DualQuaternion, Dyad, goldberg_linkages, one, same_point
-from kinlib.exercises import goldberg as exercise
+from kinlib_assignments import goldberg as exercise
+from marks import Marks
 
 DESIGN = {"design-room": 1, "design-lengths": 1, "design-travel": 1}
 ADAS = "z = 2.033 - 1.567j"  # keeps to her brief, whatever her functions say
@@ -200,6 +200,7 @@ def travel(linkage):
 
 class TestMarks(Marks):
     assignment = "goldberg"
+    numbers = {"data": "95bd0fd330c12792", "brief": "7f1af30241a959da"}  # noqa: RUF012
     slips = SLIPS
     another_way = ANOTHER_WAY
     by_hand = 5

@@ -9,17 +9,22 @@ from typing import NamedTuple
 
 import numpy as np
 
-from kinlib.displacement import act
-from kinlib.dual_quaternion import DualQuaternion
-from kinlib.dyad import Dyad
-from kinlib.errors import DegenerateError
-from kinlib.exercises.checks import assert_equal, numbers
-from kinlib.exercises.lot import Lot
-from kinlib.factorization import bennett_flip
-from kinlib.line import Line, common_perpendicular
-from kinlib.linkage import Linkage
-from kinlib.projective import same_point
-from kinlib.scalar import as_float, is_zero, size
+from kinlib import (
+    DegenerateError,
+    DualQuaternion,
+    Dyad,
+    Line,
+    Linkage,
+    act,
+    as_float,
+    bennett_flip,
+    common_perpendicular,
+    is_zero,
+    same_point,
+    size,
+)
+from kinlib_assignments.checks import assert_equal, numbers
+from kinlib_assignments.lot import Lot
 
 __all__ = [
     "Brief", "Data", "Measures", "assert_chain", "assert_lengths", "assert_linkage", "assert_room", "assert_travel",

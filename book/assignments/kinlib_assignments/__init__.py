@@ -3,7 +3,7 @@
 Each assignment has a module of its name with a function ``data(student)``; `Lot` draws its numbers.
 """
 
-from kinlib.exercises.lot import Lot, student_id
-from kinlib.exercises.withhold import withheld
+from kinlib_assignments.lot import Lot, student_id
+from kinlib_assignments.withhold import withheld
 
 __all__ = ["Lot", "student_id", "withheld"]

@@ -5,6 +5,7 @@ import os
 import shutil
 import sys
 import tempfile
+from fractions import Fraction
 from pathlib import Path
 
 import nbformat
@@ -15,9 +16,10 @@ from grader import __main__ as command
 from grader import masters, report
 from grader.collect import Submission, read_roster, submissions
 from grader.run import Limits, Result, graded, marked
+from kinlib_assignments import dual_quaternions as exercise
 from submissions import handed_in
 
-ROOT = Path(__file__).resolve().parents[2]
+BOOK = masters.HERE.parent
 NAME = "dual_quaternions"
 SPIN = "while True:\n    pass"
 SPINNING = "def inverse(q):\n    while True:\n        pass"
@@ -44,6 +46,7 @@ def edited(path: Path, edit) -> Path:
 # ---- what students do to notebooks -----------------------------------------------------------------------
 
 
+@pytest.mark.usefixtures("quick")
 def test_tests_that_were_deleted_or_emptied_are_run_all_the_same(tmp_path):
     def without_tests(cells):
         kept = [cell for cell in cells if masters.name_of(cell) != "norm-of-all"]
@@ -57,6 +60,7 @@ def test_tests_that_were_deleted_or_emptied_are_run_all_the_same(tmp_path):
     assert lost(path) == {"norm-of-all": 2, "inverse-exact": 2}
 
 
+@pytest.mark.usefixtures("quick")
 def test_checks_that_were_redefined_are_imported_again(tmp_path):
     fake = "assert_equal = assert_product = assert_norm = withheld = lambda *given, **named: None"
 
@@ -67,6 +71,7 @@ def test_checks_that_were_redefined_are_imported_again(tmp_path):
     assert "conjugate-of-all" in lost(path)
 
 
+@pytest.mark.usefixtures("quick")
 def test_cells_of_ones_own_are_kept_in_their_place(tmp_path):
     def with_helper(cells):
         place = [masters.name_of(cell) for cell in cells].index("conjugate")
@@ -79,6 +84,7 @@ def test_cells_of_ones_own_are_kept_in_their_place(tmp_path):
     assert lost(path) == {}
 
 
+@pytest.mark.usefixtures("quick")
 def test_a_neighbours_id_gives_no_marks_for_his_numbers(tmp_path):
     number = "(root,) = [-Fraction(q[1] * q[5] + q[2] * q[6] + q[3] * q[7], q[0])]\nd0 = root"
     computed = handed_in(NAME, tmp_path, {"student": 'student = "emmy"', "study": number})
@@ -89,15 +95,12 @@ def test_a_neighbours_id_gives_no_marks_for_his_numbers(tmp_path):
 
 
 def of_emmy() -> str:
-    from fractions import Fraction
-
-    from kinlib.exercises import dual_quaternions as exercise
-
     p0, p1, p2, p3, _, d1, d2, d3 = exercise.data("emmy").q
     value = -Fraction(p1 * d1 + p2 * d2 + p3 * d3, p0)
     return f"{value.numerator}, {value.denominator}"
 
 
+@pytest.mark.usefixtures("quick")
 def test_a_warning_costs_nothing(tmp_path):
     warning = "import warnings\n\n\ndef conjugate(q):\n    warnings.warn('look out')\n"
     warning += "    return [s * x for s, x in zip([1, -1, -1, -1] * 2, q)]"
@@ -113,6 +116,7 @@ def test_a_cell_that_never_ends_costs_itself_and_what_needs_it(tmp_path):
     assert [name for name, mark in found.items() if mark["mark"] == 0] == ["not-a-law"]
 
 
+@pytest.mark.usefixtures("quick")
 def test_a_function_that_never_ends_is_named(tmp_path):
     path = handed_in(NAME, tmp_path, {"inverse": SPINNING})
     found = marks(path, cell=8)
@@ -197,7 +201,7 @@ def folder(tmp_path) -> Path:
     put(folder, f"dora_{NAME}.ipynb", blank)
     put(folder, f"eve/{NAME}.ipynb", "")
     put(folder, f"fred/{NAME}.ipynb", '{"cells": [')
-    put(folder, "gina/homework.ipynb", ROOT / "book" / "index.ipynb")
+    put(folder, "gina/homework.ipynb", BOOK / "index.ipynb")
     put(folder, "hans/homework.pdf", "%PDF")
     put(folder, ".DS_Store", "")
     return folder
@@ -294,6 +298,7 @@ def test_a_feedback_page_shows_answers_as_text(tmp_path):
     assert "<script>" not in page
 
 
+@pytest.mark.usefixtures("quick")
 def test_what_has_not_changed_is_not_run_again(tmp_path, monkeypatch):
     path = handed_in(NAME, tmp_path, None)
     one = Submission("ada", path, NAME)

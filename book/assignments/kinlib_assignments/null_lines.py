@@ -9,14 +9,26 @@ from typing import NamedTuple
 
 import numpy as np
 
-from kinlib.dual_quaternion import DualQuaternion, null_form, one, study_form
-from kinlib.dyad import Dyad, TwoRSpace, recognise
-from kinlib.exercises.checks import assert_equal, numbers
-from kinlib.exercises.lot import PYTHAGOREAN, Lot
-from kinlib.projective import Subspace, meet, null_space, same_point
-from kinlib.quadric import Quadric
-from kinlib.scalar import as_float, is_zero, size
-from kinlib.study import is_null_line
+from kinlib import (
+    DualQuaternion,
+    Dyad,
+    Quadric,
+    Subspace,
+    TwoRSpace,
+    as_float,
+    is_null_line,
+    is_zero,
+    meet,
+    null_form,
+    null_space,
+    one,
+    recognise,
+    same_point,
+    size,
+    study_form,
+)
+from kinlib_assignments.checks import assert_equal, numbers
+from kinlib_assignments.lot import PYTHAGOREAN, Lot
 
 __all__ = [
     "KINDS", "SHORTCUTS", "Data", "assert_answers", "assert_forms", "assert_null_lines", "assert_pose_at",

@@ -9,8 +9,9 @@ import sympy
 
 import kinlib
 from kinlib import DualQuaternion, eps, factorize, i, j, null_form, study_form
-from kinlib.exercises import Lot, student_id, withheld
-from kinlib.exercises.checks import assert_equal, assert_point, numbers
+from kinlib_assignments import Lot, student_id, withheld
+from kinlib_assignments.checks import assert_equal, assert_point, numbers
+from kinlib_assignments.withhold import defined_beside
 
 # ---- numbers of one's own --------------------------------------------------------------------------------
 
@@ -83,6 +84,23 @@ def test_what_is_withheld_fails_by_every_name_and_comes_back():
     assert i.conjugate() == by_method(i) == -i
     with pytest.raises(TypeError):
         factorize()
+
+
+def test_what_stands_inside_another_function_is_withheld_too():
+    n = 3
+
+    def inner(a, *, b=0):
+        return n + a + b
+
+    with withheld(inner), pytest.raises(AssertionError, match="inner of kinlib is the answer"):
+        inner(1)
+    assert inner(1, b=2) == 6
+
+
+def test_all_functions_of_a_file_are_withheld():
+    found = defined_beside(DualQuaternion, kinlib.act)
+    assert {kinlib.act, kinlib.translation, kinlib.from_matrix} <= set(found)
+    assert {function.__module__ for function in found} <= {DualQuaternion.__module__, kinlib.act.__module__}
 
 
 def test_what_is_withheld_comes_back_after_an_error():

@@ -6,9 +6,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from kinlib.dual_quaternion import DualQuaternion
-from kinlib.projective import same_point
-from kinlib.scalar import as_scalars, is_zero, size
+from kinlib import DualQuaternion, as_scalars, is_zero, same_point, size
 
 __all__ = ["assert_equal", "assert_point", "numbers"]
 

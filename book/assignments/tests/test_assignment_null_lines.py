@@ -1,9 +1,8 @@
 """The assignment on null lines: who is right gets the points, who is wrong loses those of the slip."""
 
-from marks import Marks
-
 from kinlib import EXCEPTIONAL_SPACE, STUDY_QUADRIC, DualQuaternion, eps, join, meet, null_form, study_form
-from kinlib.exercises import null_lines as exercise
+from kinlib_assignments import null_lines as exercise
+from marks import Marks
 
 SLIPS = {
     "the third product of Lemma 1 is forgotten": (
@@ -127,6 +126,7 @@ def three_lines(h, v):
 
 class TestMarks(Marks):
     assignment = "null_lines"
+    numbers = {"data": "47fe913f88986dec", "kinds": "294c5b96ac647bae", "spaces": "90ccc91a71263064"}  # noqa: RUF012
     slips = SLIPS
     another_way = ANOTHER_WAY
     by_hand = 2

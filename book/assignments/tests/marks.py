@@ -1,0 +1,84 @@
+"""What every assignment must do: who is right gets the points, who is wrong loses those of the slip."""
+
+from hashlib import sha256
+from importlib import import_module
+
+import numpy as np
+import pytest
+
+from kinlib import DualQuaternion
+
+STUDENTS = ("ada", "emmy", "sophus", "4711", "student 1")
+
+
+class Marks:
+    """The tests of one assignment; a subclass names it, the slips and another way to be right.
+
+    Attributes
+    ----------
+    assignment : str
+    numbers : dict
+        What the functions that draw numbers gave to some students when they were handed out: `digest` of it.
+    slips : dict
+        What is done wrong: the changed cells, and the points lost by cell.
+    another_way : dict
+        The cells of a right answer that looks quite different.
+    by_hand : float
+        The points that a person gives.
+    always : dict
+        Cells that are changed in every slip.
+    """
+
+    by_hand = 0
+    always: dict = {}  # noqa: RUF012
+
+    def test_numbers_that_were_handed_out_never_change(self):
+        """Whatever becomes of kinlib: if this fails, mend the code, not the numbers below."""
+        module = import_module(f"kinlib_assignments.{self.assignment}")
+        drawn = {name: digest([getattr(module, name)(student) for student in STUDENTS]) for name in self.numbers}
+        assert drawn == self.numbers
+
+    @pytest.mark.parametrize("student", ["ada", "sophus"])
+    def test_the_solution_gets_full_marks(self, grade, student):
+        self.assert_full(grade(self.assignment, {}, student).marks)
+
+    def test_the_solution_gets_full_marks_as_teachers_grade(self, grade_as_teachers_do):
+        self.assert_full(grade_as_teachers_do(self.assignment, {}, "emmy").marks)
+
+    def assert_full(self, marks):
+        assert [mark for mark in marks if mark["mark"] not in (None, mark["points"])] == []
+        assert sum(mark["points"] for mark in marks if mark["mark"] is None) == self.by_hand
+
+    def test_the_blank_copy_gets_nothing(self, grade):
+        marks = grade(self.assignment).marks
+        assert sum(mark["points"] for mark in marks) == 20
+        assert [mark["mark"] for mark in marks] == [0] * len(marks)
+
+    def test_a_slip_costs_its_points(self, lost, slip):
+        changes, points = self.slips[slip]
+        assert lost(self.assignment, self.always | changes) == points
+
+    def test_another_way_keeps_all_points(self, lost):
+        assert lost(self.assignment, self.another_way) == {}
+
+
+def digest(drawn) -> str:
+    """The first digits of the SHA-256 of what was drawn, written as text."""
+    return sha256(written(drawn).encode()).hexdigest()[:16]
+
+
+def written(drawn) -> str:
+    """Numbers as text, whatever they are kept in.
+
+    Examples
+    --------
+    >>> written({"A": (1, None), "B": DualQuaternion([1, 0, 0, 0, 0, 0, 0, 0])})
+    '(A:(1,None),B:(1,0,0,0,0,0,0,0))'
+    """
+    if isinstance(drawn, DualQuaternion):
+        drawn = drawn.coeffs
+    if isinstance(drawn, dict):
+        return "(" + ",".join(f"{name}:{written(one)}" for name, one in drawn.items()) + ")"
+    if isinstance(drawn, (list, tuple, np.ndarray)):
+        return "(" + ",".join(map(written, drawn)) + ")"
+    return str(drawn)
