@@ -38,7 +38,7 @@ class Fault(IntEnum):
 
     message: str
 
-    def __new__(cls, number: int, message: str):
+    def __new__(cls, number: int, message: str = "") -> Fault:
         self = int.__new__(cls, number)
         self._value_ = number
         self.message = message
@@ -99,7 +99,7 @@ def _nearness(values: np.ndarray) -> str:
     return f" (up to {finite.max():.1e} of its size)" if finite.size else ""
 
 
-def named_rows(rows: Sequence[int]) -> str:
+def named_rows(rows: Sequence[int] | np.ndarray) -> str:
     """The rows that an error is about, in front of what it says; nothing for a single problem."""
     if not len(rows):
         return ""
