@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from kinlib.linkage import Linkage
+from kinlib.linkage import Linkage, verified_loop
 from kinlib.poses import seen_together
 from kinlib.three_poses import two_dyads
 
@@ -37,4 +37,4 @@ def bennett_linkage(p0, p1, p2, *, degenerate: str = "raise") -> Linkage:
     problem = seen_together(p0, p1, p2, degenerate=degenerate)
     both = two_dyads(problem, degenerate)
     chains = ([problem.outward(k) for k in both.factors(n)] for n in range(2))
-    return Linkage.from_chains(*chains, home=problem.home, parameters=(math.inf, 0, 1))
+    return verified_loop(*chains, home=problem.home, parameters=(math.inf, 0, 1))

@@ -15,6 +15,7 @@ from kinlib.displacement import axis_of, half_turn
 from kinlib.dual_quaternion import DualQuaternion, eps, i, k, one, study_form
 from kinlib.errors import check_degenerate, named_rows
 from kinlib.line import Line
+from kinlib.poses import middle_of
 from kinlib.projective import null_space
 from kinlib.scalar import RTOL, as_float, is_exact, is_zero
 from kinlib.typing import Array, ArrayLike, Degenerate, PointLike
@@ -75,7 +76,8 @@ class Lines(NamedTuple):
         coeffs = as_float(axes.coeffs)
         scale = np.linalg.norm(coeffs[..., 1:4], axis=-1, keepdims=True)
         directions, moments = coeffs[..., 1:4] / scale, coeffs[..., 5:8] / scale
-        middle = _middle(directions, moments)
+        turns = [axes[..., n].astype(float) for n in range(axes.shape[-1])]
+        middle = middle_of(turns, np.cross(directions, moments).mean(axis=-2), steps=3)
         points = np.cross(directions, moments - np.cross(middle[..., None, :], directions))
         length = np.linalg.norm(points, axis=-1).max(axis=-1)
         far = np.linalg.norm(moments, axis=-1).max(axis=-1)
@@ -510,20 +512,6 @@ def _dot(x: Array, y: Array) -> Array:
 def _angle_about(axis: Array, x: Array, y: Array) -> Array:
     """The angle from x to y about an axis of length 1, from −π to π."""
     return np.arctan2(_dot(np.cross(x, y), axis), _dot(x, y))
-
-
-def _middle(directions: Array, moments: Array) -> Array:
-    """The point with the least sum of squared distances from lines; for parallel ones, near their feet.
-
-    The normal matrix Σ (1 − l lᵀ) is kept off singular ones, which a second step makes good.
-    """
-    count = directions.shape[-2]
-    normal = count * (1 + 1e-12) * np.eye(3) - np.swapaxes(directions, -1, -2) @ directions
-    middle = np.cross(directions, moments).mean(axis=-2)
-    for _ in range(2):
-        seen = moments - np.cross(middle[..., None, :], directions)
-        middle = middle + np.linalg.solve(normal, np.cross(directions, seen).sum(axis=-2)[..., None])[..., 0]
-    return middle
 
 
 def _perpendiculars(directions: Array, points: Array, tiny: Array) -> Perpendiculars:

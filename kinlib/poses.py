@@ -16,7 +16,15 @@ from itertools import combinations
 import numpy as np
 
 from kinlib.displacement import from_matrix, unit
-from kinlib.dual_quaternion import DualQuaternion, eps_times, null_form, study_form
+from kinlib.dual_quaternion import (
+    DualQuaternion,
+    dual_size,
+    eps_times,
+    null_form,
+    primal_size,
+    study_form,
+    wrap,
+)
 from kinlib.errors import DegenerateError, check_degenerate, named_rows
 from kinlib.scalar import RTOL, as_float, divide, is_exact, is_zero
 
@@ -212,7 +220,7 @@ def seen_together(*given, degenerate: str = "raise", rtol: float = RTOL) -> Pose
             raise ValueError("the poses contain symbols: the roots that are needed have no closed form; put in numbers")
         return PoseProblem(home, tuple(seen), np.zeros(3, dtype=int), np.array(1), np.array(0))
     with np.errstate(invalid="ignore", divide="ignore", over="ignore"):
-        middle = middle_of(seen)
+        middle = middle_of(seen, sum(_place(q) for q in poses) / len(poses))
         centred = [moved_origin(q, middle) for q in seen]
         length = _power_of_two(reduce(np.maximum, [np.abs(q.components[4:]).max(axis=0) for q in centred]))
         lever = reduce(np.maximum, [_lever(q) for q in poses])
@@ -233,7 +241,7 @@ def _on_quadric(q: DualQuaternion) -> DualQuaternion:
     shift = np.where(near, 0, along / square.sum(axis=0))
     components = np.concatenate([p, d - p * shift])
     components[4] = np.where(near, -(p[1:] * d[1:]).sum(axis=0) / np.where(near, p[0], 1), components[4])
-    return DualQuaternion.from_components(components)
+    return wrap(components)
 
 
 def moved_origin(q: DualQuaternion, origin: np.ndarray) -> DualQuaternion:
@@ -241,32 +249,60 @@ def moved_origin(q: DualQuaternion, origin: np.ndarray) -> DualQuaternion:
     p0, p1, p2, p3, d0, d1, d2, d3 = q.components
     c1, c2, c3 = np.moveaxis(np.asarray(origin), -1, 0)
     moment = d1 + (p2 * c3 - p3 * c2), d2 + (p3 * c1 - p1 * c3), d3 + (p1 * c2 - p2 * c1)
-    return DualQuaternion.from_components(np.stack(np.broadcast_arrays(p0, p1, p2, p3, d0, *moment)))
+    return wrap(np.stack(np.broadcast_arrays(p0, p1, p2, p3, d0, *moment)))
 
 
 def stretched(q: DualQuaternion, factor) -> DualQuaternion:
-    """All lengths multiplied by a factor, shape (...)."""
-    primal, dual = np.broadcast_arrays(q.components[:4], q.components[4:] * factor)
-    return DualQuaternion.from_components(np.concatenate([primal, dual]))
+    """All lengths multiplied by a factor, shape (...); batches broadcast."""
+    missing = max(np.ndim(factor) - len(q.shape), 0)
+    components = q.components.reshape(8, *(1,) * missing, *q.shape)
+    return wrap(np.concatenate(np.broadcast_arrays(components[:4], components[4:] * factor)))
 
 
-def middle_of(seen: Sequence[DualQuaternion]) -> np.ndarray:
-    """The point c with least Σ |d + p × c|², (Σ |p|² − p pᵀ) c = Σ p × d; near the origin where that leaves it free."""
+def middle_of(seen: Sequence[DualQuaternion], start: np.ndarray | float = 0.0, steps: int = 2) -> np.ndarray:
+    """The point that displacements move least, or one near the start that they move hardly more.
+
+    Each step goes to the c with least Σ |d + p × c|², damped so that it does not run far along an axis that all
+    displacements nearly share.
+    """
+    middle = np.zeros(3) + start
+    for _ in range(steps):
+        middle = middle + _step_to_middle([moved_origin(q, middle) for q in seen])
+    return middle
+
+
+def _step_to_middle(seen: Sequence[DualQuaternion]) -> np.ndarray:
+    """The solution of (Σ |p|² − p pᵀ) c = Σ p × d, damped."""
     p1, p2, p3, d1, d2, d3 = np.stack([q.components[[1, 2, 3, 5, 6, 7]] for q in seen], axis=-1)
     right = [_sum(x) for x in (p2 * d3 - p3 * d2, p3 * d1 - p1 * d3, p1 * d2 - p2 * d1)]
     xx, yy, zz, xy, yz, zx = (_sum(x) for x in (p1 * p1, p2 * p2, p3 * p3, p1 * p2, p2 * p3, p3 * p1))
-    slack = 1e-13 * (xx + yy + zz)
+    slack = DAMPING * (xx + yy + zz)
     a, b, c = yy + zz + slack, zz + xx + slack, xx + yy + slack
     mxy, myz, mzx = c * xy + zx * yz, a * yz + xy * zx, b * zx + xy * yz
     rows = (b * c - yz * yz, mxy, mzx), (mxy, a * c - zx * zx, myz), (mzx, myz, a * b - xy * xy)
     determinant = a * rows[0][0] - xy * mxy - zx * mzx
     scale = np.where(determinant > 0, determinant, np.inf)
-    point = np.stack([sum(m * x for m, x in zip(row, right, strict=True)) / scale for row in rows], axis=-1)
-    return np.where(np.isfinite(point), point, 0)
+    step = np.stack([sum(m * x for m, x in zip(row, right, strict=True)) / scale for row in rows], axis=-1)
+    return np.where(np.isfinite(step), step, 0)
+
+
+DAMPING = 1e-6
+"""The square of the angle below which turns about nearly one axis do not tell where along it the middle is."""
 
 
 def _sum(x: np.ndarray) -> np.ndarray:
     return x.sum(axis=-1)
+
+
+def _place(q: DualQuaternion) -> np.ndarray:
+    """Where a displacement takes the origin: the vector part of 2 d p̄ / (p p̄), shape (..., 3)."""
+    p0, p1, p2, p3, d0, d1, d2, d3 = q.components
+    shift = np.stack([
+        p0 * d1 - d0 * p1 + p2 * d3 - p3 * d2,
+        p0 * d2 - d0 * p2 + p3 * d1 - p1 * d3,
+        p0 * d3 - d0 * p3 + p1 * d2 - p2 * d1,
+    ], axis=-1)  # fmt: skip
+    return 2 * shift / null_form(q, q)[..., None]
 
 
 def _power_of_two(length: np.ndarray) -> np.ndarray:
@@ -274,15 +310,23 @@ def _power_of_two(length: np.ndarray) -> np.ndarray:
     return np.where(np.isfinite(length) & (length > 0), np.ldexp(1.0, np.frexp(np.nan_to_num(length))[1]), 1.0)
 
 
-def gap(reached: DualQuaternion, wanted: DualQuaternion) -> np.ndarray:
-    """How far one displacement is from another, in half-angles and in units of length; 0 or infinite if exact.
+def gap(reached: DualQuaternion, wanted: DualQuaternion, *, length=1.0) -> np.ndarray:
+    """How far one displacement is from another, in half-angles and in parts of a length; 0 or infinite if exact.
 
-    Both may be any representatives, and wanted has a primal part of length 1: the scalar part of wanted⁻¹ reached is
-    divided by, the rest is the gap.
+    Both may be any representatives: it is the vector part of their quotient, divided by its scalar part.
     """
     difference = wanted.conjugate() * reached
-    rest = difference.components[[1, 2, 3, 5, 6, 7]]
-    if is_exact(rest):
-        return np.where(np.all(is_zero(rest), axis=0), 0.0, np.inf)
+    turned, shifted = difference.components[1:4], difference.components[5:8]
+    if is_exact(turned):
+        return np.where(np.all(is_zero(turned) & is_zero(shifted), axis=0), 0.0, np.inf)
     with np.errstate(divide="ignore", invalid="ignore"):
-        return np.abs(rest).max(axis=0) / np.abs(difference.scalar_part)
+        off = np.maximum(np.abs(turned).max(axis=0), np.abs(shifted).max(axis=0) / length)
+        return off / np.abs(difference.scalar_part)
+
+
+def opening(first: DualQuaternion, second: DualQuaternion) -> np.ndarray:
+    """How far the ends of two chains are apart, in half-angles and in parts of how far they have moved."""
+    if is_exact(first.components):
+        return gap(second, first)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        return gap(second, first, length=1.0 + dual_size(first) / primal_size(first))

