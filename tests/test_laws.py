@@ -14,27 +14,34 @@ import kinlib
 from kinlib import (
     NULL_CONE,
     STUDY_QUADRIC,
+    Chain,
     DualQuaternion,
     Line,
     Quadric,
     act,
+    as_float,
     as_matrix,
     as_pose,
     as_rigid_transform,
+    as_scalars,
     axis_of,
     bennett_flip,
     bennett_linkage,
     binary_roots,
     common_perpendicular,
     conic_through,
+    divide,
     eps,
+    exchange,
     factorizations,
     factorize,
     from_matrix,
     from_rigid_transform,
     half_turn,
     i,
+    is_exact,
     is_null_line,
+    is_zero,
     j,
     join,
     k,
@@ -44,15 +51,16 @@ from kinlib import (
     null_space,
     one,
     quadratic_factors,
+    quadratic_of,
     rotation,
     same_point,
+    size,
     square_root,
     study_form,
     study_projection,
     translation,
     unit,
 )  # fmt: skip
-from kinlib.scalar import size
 from kinlib.testing import random_poses
 from laws import (
     ALL,
@@ -415,6 +423,14 @@ def test_the_bennett_flip_exchanges_quadratics(h, g):
     assert_same(list(bennett_flip(a, b)), [h, g], rtol=1e-6)
 
 
+@law("exchange", "quadratic_of", kinds=("float", "fraction"), h="rotation", g="rotation", f="rotation")
+def test_an_exchange_of_neighbours_exchanges_their_quadratics(h, g, f):
+    a, b, c = exchange((f, h, g), 1)
+    assert_same(a, f)
+    assert_same(linear_factor(b) * linear_factor(c), linear_factor(h) * linear_factor(g), rtol=1e-7)
+    assert_same([quadratic_of(b), quadratic_of(c)], [quadratic_of(g), quadratic_of(h)], rtol=1e-6)
+
+
 @law("factorizations", "factorize", "quadratic_factors", kinds=("float", "fraction"), h="rotation", g="rotation")
 def test_factorizations_multiply_to_the_polynomial(h, g):
     C = linear_factor(h) * linear_factor(g)
@@ -546,6 +562,38 @@ def test_a_nan_row_stays_a_row(call):
             assert_same_numbers(x, y)
     middle = np.concatenate([np.ravel(x) for x in row_of(found, shape, spoiled)])
     assert middle.dtype.kind == "b" or np.isnan(middle).any()
+
+
+# --- scalars and chains -----------------------------------------------------------------------------------------
+
+
+@law("divide", "is_zero", kinds=(*REAL, "complex"), x="scalar", y="scalar")
+def test_quotients_undo_products(x, y):
+    assert_same(divide(x * y, y), x)
+    assert np.all(is_zero(divide(x, y) * y - x, abs(np.asarray(x).astype(complex))))
+    assert not np.any(is_zero(x))
+
+
+@law("as_scalars", "as_float", "is_exact", "size", kinds=REAL, x="vector")
+def test_numbers_stay_what_they_are(x):
+    stored = as_scalars(x)
+    assert_same(stored, x)
+    assert is_exact(stored) == is_exact(x)
+    assert not is_exact(as_float(x))
+    assert_same_numbers(size(x, -1), np.abs(as_float(x)).max(-1))
+
+
+@law("Chain", kinds=("float", "fraction"), a="half_turn", b="half_turn", c="half_turn", d="half_turn", q="pose")
+def test_a_chain_is_the_same_from_everywhere(a, b, c, d, q):
+    axes = DualQuaternion.stack([a, b, c, d], axis=-1)
+    turned = q[..., None] if q.shape else q
+    chain, moved = Chain(axes), Chain(unit(turned * axes * turned.conjugate()))
+    assert (chain.joint_count, chain.shape) == (4, a.shape)
+    assert np.all(np.asarray(chain.mobility()) == 0)
+    for link, other in zip(chain.denavit_hartenberg(), moved.denavit_hartenberg(), strict=True):
+        assert_same(list(link), list(other), rtol=1e-6)
+    bars, place = moved.bars(), q.astype(float)[..., None, None] if q.shape else q.astype(float)
+    assert_same(act(place, chain.bars()), bars, rtol=1e-6)
 
 
 # --- none is left out -------------------------------------------------------------------------------------------

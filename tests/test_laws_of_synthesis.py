@@ -29,6 +29,7 @@ from kinlib import (
     one,
     primal_coordinates,
     recognise,
+    same_point,
     six_r_linkages,
     study_eigenvalues,
     study_projection,
@@ -153,6 +154,20 @@ def test_length_index_and_iteration_of_linkages_mean_the_batch(shape):
 def test_a_linkage_that_does_not_close_cannot_be_made():
     with pytest.raises(ValueError, match="clos"):
         Linkage((i, j - eps * i, k + eps * j, i + eps * k), (1, 1, 1, 1), 2)
+
+
+COVERED.add("Families")
+
+
+@pytest.mark.parametrize("shape", SHAPES)
+def test_families_say_when_they_are_in_which_pose(shape):
+    poses = random_poses(4, seed=4, shape=shape)
+    cubics = cubics_through(*poses, degenerate="nan")
+    for cubic, parameters in zip(cubics, cubics.parameters, strict=True):
+        for t, pose in zip(parameters, poses, strict=True):
+            reached = cubic(np.asarray(t, dtype=float)[()])
+            there = np.isfinite(reached.coeffs).all(-1)
+            assert np.all(same_point(reached, pose, rtol=1e-6) | ~there)
 
 
 @pytest.mark.parametrize("function", [dyads_through_poses, bennett_linkage])
