@@ -22,6 +22,7 @@ __all__ = [
 ]  # fmt: skip
 
 UNITS = ("", "i", "j", "k", "ε", "εi", "εj", "εk")
+FEW = 6  # products so few go one by one: Python's floats cost less than calling NumPy on short arrays
 BLOCK = 2**16  # rows of a batch at a time: they stay in the cache, and NumPy can use temporaries again
 
 
@@ -481,6 +482,9 @@ def _product(a: np.ndarray, b: np.ndarray) -> np.ndarray:
     if a.ndim == b.ndim == 1:
         values = _product_formula(a.tolist(), b.tolist())
         return np.array(values, dtype=a.dtype) if a.dtype == b.dtype else as_scalars(values)
+    if a.dtype == b.dtype == float and a.shape == b.shape and a.size <= 8 * FEW:
+        pairs = zip(a.reshape(8, -1).T.tolist(), b.reshape(8, -1).T.tolist(), strict=True)
+        return np.array([_product_formula(*pair) for pair in pairs]).T.reshape(a.shape)
     return blockwise(_product_formula, a, b, rows=8)
 
 

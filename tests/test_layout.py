@@ -33,6 +33,8 @@ ORDER = [
     "dyad",
     "chain",
     "linkage",
+    "pose_faults",
+    "dyad_routes",
     "three_poses",
     "bennett",
     "six_r",
