@@ -12,7 +12,7 @@ from kinlib.dual_quaternion import DualQuaternion, dual_size, null_form, one, pr
 from kinlib.errors import DegenerateError, check_degenerate, named_rows
 from kinlib.line import Line
 from kinlib.number_field import square_root
-from kinlib.poses import as_pose, gap, middle_of, moved_origin, stretched
+from kinlib.poses import ULPS, as_pose, gap, middle_of, moved_origin, stretched
 from kinlib.projective import Subspace, coordinates_of, join, null_space
 from kinlib.quadric import Quadric, binary_roots
 from kinlib.scalar import RTOL, as_float, divide, imaginary_unit, is_exact, is_infinite, is_zero, size
@@ -145,24 +145,31 @@ class Dyad:
         kinlib.errors.DegenerateError: the dyad does not reach the pose: it passes by at 1 (half-angles, own lengths)
         """
         q = as_pose(pose) * self.home.inverse()
-        seen, h1, h2 = self._seen(q)
+        (seen, h1, h2), noise = self._seen(q)
         turns = homogeneous_parameters(seen, h1, h2)
         off = self._gap(reached(h1, h2, turns), seen)
-        bad = self._unreached(off, rtol, degenerate)
+        bad = self._unreached(off, rtol + noise, degenerate)
         t1, t2 = (_parameter(numerator, denominator) for numerator, denominator in turns)
         return (np.where(bad, np.nan, t1), np.where(bad, np.nan, t2)) if np.any(bad) else (t1, t2)
 
-    def _seen(self, q: DualQuaternion) -> list[DualQuaternion]:
-        """A displacement and both half-turns; in floats about the middle of the axes, in units of their size."""
+    def _seen(self, q: DualQuaternion) -> tuple[list[DualQuaternion], np.ndarray]:
+        """A displacement and both half-turns, and what rounding makes of a length.
+
+        In floats they are seen about the middle of the axes, in units of their size.
+        """
         given = [q, self.h1, self.h2]
         if all(is_exact(x.components) for x in given):
-            return given
+            return given, np.array(0)
         given = [_floats(x) for x in given]
         middle = middle_of(given[1:])
         q, *turns = (moved_origin(x, middle) for x in given)
         q = unit(q)
-        length = np.maximum.reduce(np.broadcast_arrays(*(dual_size(x) for x in (q, *turns))))
-        return [stretched(x, 1 / np.where(length > 0, length, 1)) for x in (q, *turns)]
+        far, length = (
+            np.maximum.reduce(np.broadcast_arrays(*(dual_size(x) / primal_size(x) for x in several)))
+            for several in (given, (q, *turns))
+        )
+        length = np.where(length > 0, length, 1)
+        return [stretched(x, 1 / length) for x in (q, *turns)], ULPS * far / length
 
     @staticmethod
     def _gap(found: DualQuaternion, wanted: DualQuaternion) -> np.ndarray:
@@ -173,7 +180,7 @@ class Dyad:
         return np.where(apart == 0, 0.0, np.maximum(gap(_floats(found), unit(_floats(wanted))), 2 * RTOL))
 
     @staticmethod
-    def _unreached(off: np.ndarray, rtol: float, degenerate: str) -> np.ndarray:
+    def _unreached(off: np.ndarray, rtol: np.ndarray, degenerate: str) -> np.ndarray:
         check_degenerate(degenerate)
         bad = np.asarray(~(off <= rtol))
         if degenerate == "raise" and bad.any():
@@ -232,7 +239,7 @@ def reached(h1: DualQuaternion, h2: DualQuaternion, turns) -> DualQuaternion:
 
 
 def _quotient_or_infinity(a, b):
-    if is_zero(b, abs(a), 1e-15) if isinstance(b, float) else is_zero(b):
+    if is_zero(b, abs(a), ULPS) if isinstance(b, float) else is_zero(b):
         return np.inf
     return divide(a, b)
 

@@ -36,6 +36,7 @@ from kinlib import (
 )
 from kinlib.testing import assert_same_point
 from problems import (
+    distance_of_axes,
     distance_of_dyads,
     random_displacement,
     random_half_turns,
@@ -357,3 +358,99 @@ def test_coplanar_axes_in_floats_are_named(seed):
 def test_the_exceptional_space_is_no_space_of_a_dyad(scalar):
     with pytest.raises(DegenerateError, match="exceptional three-space"):
         recognise(scalar * np.eye(8, dtype=type(scalar))[4:])
+
+
+# --- what a dyad reaches --------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("seed", range(10))
+def test_a_pose_that_is_not_reached_has_no_parameters(seed):
+    dyad = Dyad(*random_half_turns(2, seed=seed))
+    pose = translation([0, 0, 1]) * dyad(0.3, -1.2)
+    with pytest.raises(DegenerateError, match=r"does not reach the pose: it passes by at \d"):
+        dyad.parameters(pose)
+    matrices = np.array([as_matrix(dyad(0.3, -1.2)), as_matrix(pose)])
+    with pytest.raises(DegenerateError, match="row 1: the dyad does not reach"):
+        dyad.parameters(matrices)
+    for t, expected in zip(dyad.parameters(matrices, degenerate="nan"), (0.3, -1.2), strict=True):
+        assert np.allclose(t, [expected, np.nan], equal_nan=True)
+
+
+def test_exact_poses_next_to_the_exact_dyad_are_not_reached():
+    dyad = Dyad(i, j - eps * i)
+    with pytest.raises(DegenerateError, match="does not reach"):
+        dyad.parameters(translation([0, 0, Fraction(1, 10**30)]) * dyad(2, 3))
+
+
+def test_at_home_both_parameters_are_infinite():
+    for seed in range(200):
+        home = random_displacement(seed=seed)
+        dyad = Dyad(*random_half_turns(2, seed=seed), home)
+        assert dyad.parameters(home) == (math.inf, math.inf)
+
+
+@pytest.mark.parametrize("angle", [1e-2, 1e-4, 1e-6, 1e-8])
+def test_near_home_no_digits_are_lost_but_those_of_the_angle(angle):
+    for seed in range(50):
+        dyad = Dyad(*random_half_turns(2, seed=seed))
+        t1, t2 = dyad.parameters(dyad(1 / angle, -2 / angle))
+        assert math.isclose(t1, 1 / angle, rel_tol=1e-13 / angle)
+        assert math.isclose(t2, -2 / angle, rel_tol=1e-13 / angle)
+
+
+@pytest.mark.parametrize("tilt", [0.0, 1e-12, 1e-8, 1e-4])
+def test_nearly_parallel_axes_have_parameters_too(tilt):
+    dyad = Dyad(k * 1.0, unit(k + tilt * i - eps * j))
+    for t1, t2 in dyad.parameters(dyad(0.4, -1.7)), dyad.parameters(as_matrix(dyad(0.4, -1.7))):
+        assert math.isclose(t1, 0.4, rel_tol=1e-12)
+        assert math.isclose(t2, -1.7, rel_tol=1e-12)
+
+
+@pytest.mark.parametrize("distance", [1e3, 1e6])
+def test_far_from_the_origin_a_dyad_reaches_its_poses(distance):
+    for seed in range(20):
+        h1, h2 = random_half_turns(2, seed=seed)
+        move = translation([distance, -distance, 2 * distance])
+        dyad = Dyad(*(unit(move * h * move.conjugate()) for h in (h1, h2)))
+        t1, t2 = dyad.parameters(move * Dyad(h1, h2)(0.7, 1.9) * move.conjugate())
+        assert math.isclose(t1, 0.7, rel_tol=1e-14 * distance)
+        assert math.isclose(t2, 1.9, rel_tol=1e-14 * distance)
+
+
+@pytest.mark.parametrize("home", [eps * i, 1 + eps, DualQuaternion([0] * 8)])
+def test_the_home_pose_is_a_pose(home):
+    with pytest.raises(ValueError, match=r"Study quadric|exceptional"):
+        Dyad(i, j - eps * i, home)
+    with pytest.raises(TypeError, match="expected h1 as a DualQuaternion"):
+        Dyad([0, 1, 0, 0, 0, 0, 0, 0], j - eps * i)
+
+
+# --- many spaces, and far away ---------------------------------------------------------------------------------------
+
+
+def test_a_batch_of_spaces_has_a_batch_of_dyads_each_row_with_its_own_fate():
+    dyads = Dyad(*random_half_turns(2, seed=5, shape=(2, 3)))
+    points = dyads.space().points.coeffs.copy()
+    found = recognise(points)
+    assert found.shape == (2, 3)
+    assert np.all(distance_of_axes(found.h1, dyads.h1) < 1e-9)
+    points[1, 0, 2] = points[1, 0, 1]
+    with pytest.raises(DegenerateError, match="row 3: expected points that span a 3-space") as caught:
+        recognise(points)
+    assert caught.value.rows == (3,)
+    spoiled = np.isnan(recognise(points, degenerate="nan").h1.coeffs).any(-1)
+    assert spoiled.tolist() == [[False] * 3, [True, False, False]]
+
+
+@pytest.mark.parametrize("distance", [1e2, 1e4, 1e6])
+def test_far_from_the_origin_spaces_are_recognised_as_well_as_the_distance_allows(distance):
+    place = np.array([distance, -2 * distance, distance])
+    for seed in range(10):
+        h1, h2 = random_half_turns(2, seed=seed)
+        move = translation(place)
+        far = [unit(move * h * move.conjugate()) for h in (h1, h2)]
+        mixed = np.random.default_rng(seed).normal(size=(4, 4)) @ Dyad(*far).space().points.coeffs
+        found = recognise(mixed)
+        back = [move.conjugate() * h * move for h in (found.h1, found.h2)]
+        for h, expected in zip(back, (h1, h2), strict=True):
+            assert distance_of_axes(unit(h), expected) < 1e-8 + 1e-12 * distance
