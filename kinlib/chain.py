@@ -17,16 +17,13 @@ from kinlib.errors import check_degenerate, named_rows
 from kinlib.line import Line
 from kinlib.poses import middle_of
 from kinlib.projective import null_space
-from kinlib.scalar import RTOL, as_float, is_exact, is_zero
+from kinlib.scalar import ROUNDING, RTOL, as_float, is_exact, is_zero
 from kinlib.typing import Array, ArrayLike, Degenerate, PointLike
 
 __all__ = ["Chain", "DHRow"]
 
-PARALLEL = 1e-8
+NEARLY_PARALLEL = 1e-8
 """Neighbouring axes with a smaller angle count as parallel: in floats they do not say where they are nearest."""
-
-ROUNDING = 64 * np.finfo(float).eps
-"""What rounding does to a number of size 1, with a margin."""
 
 SMALLEST = 1e-15
 """Lengths below this come from rounding, whatever else is in the problem."""
@@ -354,7 +351,7 @@ give angles that close it, or rtol= if the numbers are rounded
             points = points + _dot(near[..., None, :], directions)[..., None] * directions
             points = _points_close_together(directions, points)
             sines = np.linalg.norm(np.cross(directions, directions[..., :1, :]), axis=-1)
-            meet = (length <= np.maximum(noise, RTOL * radius)) & (sines.max(axis=-1) > PARALLEL)
+            meet = (length <= np.maximum(noise, RTOL * radius)) & (sines.max(axis=-1) > NEARLY_PARALLEL)
             out = np.where(meet, np.where(radius > noise, radius, 1.0), 0.0)[..., None, None]
             points = np.where(meet[..., None, None], out * directions, points)
             straight = np.stack([np.roll(points, 1, axis=-2), points], axis=-2)
@@ -519,7 +516,7 @@ def _perpendiculars(directions: Array, points: Array, tiny: Array) -> Perpendicu
     after, beyond = np.roll(directions, -1, axis=-2), np.roll(points, -1, axis=-2)
     normal, gap = np.cross(directions, after), beyond - points
     sine = np.linalg.norm(normal, axis=-1)
-    parallel = sine <= PARALLEL
+    parallel = sine <= NEARLY_PARALLEL
     sine = np.where(parallel, 1.0, sine)[..., None]
     normal = normal / sine
     start = points + (_dot(np.cross(gap, after), normal)[..., None] / sine) * directions

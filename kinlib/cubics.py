@@ -20,7 +20,7 @@ from kinlib.dual_quaternion import DualQuaternion, eps_times, null_form, study_f
 from kinlib.errors import DegenerateError, Fault, check_degenerate, first_fault, named_rows
 from kinlib.motion_polynomial import MotionPolynomial
 from kinlib.number_field import square_root
-from kinlib.poses import ULPS, PoseProblem, as_poses, gap, seen_together
+from kinlib.poses import ROUNDING, PoseProblem, as_poses, gap, seen_together
 from kinlib.projective import null_space
 from kinlib.scalar import as_float, as_scalars, divide, is_exact, is_zero
 from kinlib.typing import Array, Degenerate, PoseLike
@@ -365,7 +365,7 @@ def no_displacement(step: DualQuaternion, tolerance: Any) -> Array:
 
 def rounding(problem: PoseProblem) -> Any:
     """What counts as zero among the numbers of a problem; exact numbers are compared exactly."""
-    return 0 if problem.is_exact else ULPS + 64 * problem.noise
+    return 0 if problem.is_exact else ROUNDING + 64 * problem.noise
 
 
 def products(b: dict) -> tuple:
@@ -445,7 +445,7 @@ def rounding_of_form(step: DualQuaternion, noise: Array) -> Array:
     """What rounding makes of b(x, y), which is the product of the vector parts of the step, up to a factor."""
     r = np.abs(step.components)
     primal, dual = r[1:4].max(axis=0), r[5:].max(axis=0)
-    return ULPS / 4 * (primal + dual) + 16 * noise * primal
+    return ROUNDING / 4 * (primal + dual) + 16 * noise * primal
 
 
 _exact_sign = np.frompyfunc(lambda x: 1 if x > 0 else -1 if x < 0 else 0, 1, 1)

@@ -12,10 +12,10 @@ from kinlib.dual_quaternion import DualQuaternion, dual_size, null_form, one, pr
 from kinlib.errors import DegenerateError, check_degenerate, named_rows
 from kinlib.line import Line
 from kinlib.number_field import square_root
-from kinlib.poses import ULPS, as_pose, gap, middle_of, moved_origin, stretched
+from kinlib.poses import as_pose, gap, middle_of, moved_origin, stretched
 from kinlib.projective import Subspace, coordinates_of, join, null_space
 from kinlib.quadric import Quadric, binary_roots
-from kinlib.scalar import RTOL, as_float, divide, imaginary_unit, is_exact, is_infinite, is_zero, size
+from kinlib.scalar import ROUNDING, RTOL, as_float, divide, imaginary_unit, is_exact, is_infinite, is_zero, size
 from kinlib.study import NULL_CONE, STUDY_QUADRIC
 from kinlib.typing import PoseLike
 
@@ -169,7 +169,7 @@ class Dyad:
             for several in (given, (q, *turns))
         )
         length = np.where(length > 0, length, 1)
-        return [stretched(x, 1 / length) for x in (q, *turns)], ULPS * far / length
+        return [stretched(x, 1 / length) for x in (q, *turns)], ROUNDING * far / length
 
     @staticmethod
     def _gap(found: DualQuaternion, wanted: DualQuaternion) -> np.ndarray:
@@ -239,7 +239,7 @@ def reached(h1: DualQuaternion, h2: DualQuaternion, turns) -> DualQuaternion:
 
 
 def _quotient_or_infinity(a, b):
-    if is_zero(b, abs(a), ULPS) if isinstance(b, float) else is_zero(b):
+    if is_zero(b, abs(a), ROUNDING) if isinstance(b, float) else is_zero(b):
         return np.inf
     return divide(a, b)
 

@@ -10,8 +10,7 @@ import numpy as np
 
 from kinlib.dual_quaternion import DualQuaternion, null_form, one, study_form
 from kinlib.errors import Fault, named_rows, report_faults
-from kinlib.poses import ULPS
-from kinlib.scalar import RTOL, as_scalars, divide, is_exact, is_infinite, is_zero, promote, size
+from kinlib.scalar import ROUNDING, RTOL, as_scalars, divide, is_exact, is_infinite, is_zero, promote, size
 from kinlib.typing import Array, ArrayLike, Degenerate, PointLike, ScalarLike
 
 __all__ = ["MotionPolynomial", "RationalCurve", "evaluate", "linear_factor", "multiply"]
@@ -219,7 +218,7 @@ class MotionPolynomial:
     def _is_on_quadric(self, rtol: float) -> Array:
         coeffs = self.coeffs
         primal, dual = size(coeffs[..., :4], (-1, -2)), size(coeffs[..., 4:], (-1, -2))
-        bound = np.expand_dims(rtol * primal * dual + ULPS * primal * primal, -1)
+        bound = np.expand_dims(rtol * primal * dual + ROUNDING * primal * primal, -1)
         return np.all(is_zero(self.study_polynomial(), bound, 1.0), axis=-1)
 
     def __add__(self, other) -> MotionPolynomial:

@@ -26,12 +26,9 @@ from kinlib.dual_quaternion import (
     wrap,
 )
 from kinlib.errors import DegenerateError, check_degenerate, named_rows
-from kinlib.scalar import RTOL, as_float, divide, is_exact, is_zero
+from kinlib.scalar import ROUNDING, RTOL, as_float, divide, is_exact, is_zero
 
 __all__ = ["as_pose"]
-
-ULPS = 64 * np.finfo(float).eps
-"""What rounding makes of numbers of size 1 in a few operations."""
 
 
 def as_pose(x, *, rtol: float = RTOL) -> DualQuaternion:
@@ -110,7 +107,7 @@ def _checked(q: DualQuaternion, length, rtol: float, name: str, degenerate: str)
     faults = [
         (~np.isfinite(q.components).all(axis=0), ValueError, lambda: "expected finite numbers, got NaN or infinity"),
         (p == 0, DegenerateError, lambda: EXCEPTIONAL),
-        (off > (precision * lever + ULPS) * p * p, ValueError, lambda: _off_the_quadric(off, lever * p * p)),
+        (off > (precision * lever + ROUNDING) * p * p, ValueError, lambda: _off_the_quadric(off, lever * p * p)),
     ]
     bad = [_refused(where, error, name, message, degenerate) for where, error, message in faults]
     projected = q - eps_times(q) * (study_form(q, q) / (2 * p * p))

@@ -32,7 +32,7 @@ RTOL = 1e-9
 RTOL_SINGLE = 1e-5
 """The same for numbers in single precision (``float32``, ``complex64``), which have half as many digits."""
 
-ROUNDING = 16 * 2.0**-52
+ROUNDING = 64 * 2.0**-52
 """What rounding may leave where numbers of size 1 should cancel."""
 
 PARALLEL = 1e-12
