@@ -15,6 +15,7 @@ from kinlib import (
     DualQuaternion,
     Line,
     act,
+    as_float,
     as_matrix,
     as_pose,
     as_rigid_transform,
@@ -33,7 +34,6 @@ from kinlib import (
     translation,
     unit,
 )
-from kinlib.scalar import as_float
 from kinlib.testing import random_poses
 from strategies import fraction_vectors, fractions, lines, poses, rotations, vectors, whole
 

@@ -30,12 +30,12 @@ from kinlib import (
     linear_factor,
     one,
     quadratic_factors,
+    quadratic_of,
     rotation,
     same_point,
     square_root,
     translation,
 )
-from kinlib.factorization import quadratic_of
 from kinlib.gallery import FIELD_OF_DEGREE_SIX, LINEAR_TERMS_EQUAL
 from kinlib.testing import random_poses
 from strategies import fractions, rotations, whole

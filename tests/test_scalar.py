@@ -11,18 +11,26 @@ import sympy
 from hypothesis import given
 from hypothesis import strategies as st
 
-from kinlib import DualQuaternion, bennett_linkage, i, j, one, same_point, square_root
-from kinlib.gallery import FIELD_OF_DEGREE_SIX
-from kinlib.scalar import (
+from kinlib import (
+    DualQuaternion,
     as_float,
     as_scalars,
-    as_vectors,
+    bennett_linkage,
     divide,
-    imaginary_unit,
+    i,
     is_exact,
-    is_infinite,
     is_zero,
+    j,
+    one,
+    same_point,
     size,
+    square_root,
+)
+from kinlib.gallery import FIELD_OF_DEGREE_SIX
+from kinlib.scalar import (
+    as_vectors,
+    imaginary_unit,
+    is_infinite,
 )
 from strategies import fractions, large, whole
 

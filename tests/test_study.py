@@ -15,6 +15,7 @@ from kinlib import (
     eps,
     i,
     is_null_line,
+    is_zero,
     j,
     join,
     k,
@@ -25,7 +26,6 @@ from kinlib import (
     study_projection,
     translation,
 )
-from kinlib.scalar import is_zero
 from strategies import dual_quaternions, poses, rotations, several
 
 h1, h2 = i, j - eps * i

@@ -19,12 +19,12 @@ from kinlib import (
     j,
     null_form,
     one,
+    quadratic_of,
     recognise,
     six_r_linkages,
     study_eigenvalues,
     study_form,
 )
-from kinlib.factorization import quadratic_of
 from kinlib.gallery import FOUR_POSES, THREE_POSES
 from kinlib.testing import random_poses
 from problems import random_half_turns
