@@ -128,7 +128,7 @@ def test_nine_linkages_of_each_family_visit_close_and_move(poses):
     linkages = six_r_linkages(*poses, 0.2)
     assert len(linkages) == 18
     for linkage in linkages:
-        assert len(linkage) == 6
+        assert linkage.joint_count == 6
         assert_visits(linkage, *poses, rtol=1e-7)
         assert_closes(linkage, rtol=1e-7)
         assert linkage.mobility(0.4) == 1
