@@ -16,7 +16,7 @@ from typing import Any
 
 import numpy as np
 
-from kinlib.dual_quaternion import DualQuaternion, eps_times, null_form, study_form
+from kinlib.dual_quaternion import DualQuaternion, eps_times, null_form, one, study_form
 from kinlib.errors import DegenerateError, Fault, check_degenerate, first_fault, named_rows
 from kinlib.motion_polynomial import MotionPolynomial
 from kinlib.number_field import square_root
@@ -27,7 +27,7 @@ from kinlib.typing import Array, Degenerate, PoseLike
 
 __all__: list[str] = []
 
-MET = 1e-9
+MET = 2e-10
 """How near the poses must be passed, in half-angles and in the unit of length of the problem."""
 
 SAME_FAMILY = 1e-14
@@ -86,10 +86,15 @@ class CubicFault(Fault):
     MISSES_3 = 14, "for this value of the free parameter the cubic misses pose 3"
     UNDEFINED = 15, "a pose is not defined (NaN)"
     LOST = 16, "in floats the poses are not met to 1e-9"
+    POWERS = (
+        19,
+        "powers of t lose a pose in floats; six_r_linkages keeps it in linear factors, if it can be kept",
+    )
     REAL_ROOT = 17, "the norm polynomial has a real root: the motion passes through the exceptional space"
     UNSPLIT = 18, "the cubic has no six factorizations into turns"
 
 
+NUMERICAL = (CubicFault.LOST, CubicFault.POWERS, CubicFault.REAL_ROOT, CubicFault.UNSPLIT)
 MISSES = (CubicFault.MISSES_0, CubicFault.MISSES_1, CubicFault.MISSES_2, CubicFault.MISSES_3)
 
 
@@ -242,8 +247,8 @@ class CubicFamilies:
     def spread(self, q: DualQuaternion, family: int) -> DualQuaternion:
         """What was found for the rows, shape (rows, ...), as a batch of one family; NaN where there is none."""
         mine = (self.chosen[-1] == family) & (self.faults[self.chosen] == 0)
-        if not self.shape and mine.any():
-            return q[int(np.flatnonzero(mine)[0])]
+        if not self.shape:
+            return q[int(np.flatnonzero(mine)[0])] if mine.any() else one * np.nan
         components = np.full((8, *self.shape, *q.shape[1:]), None if self.problem.is_exact else np.nan)
         components[(slice(None), *(axis[mine] for axis in self.chosen[:-1]))] = q.components[:, mine]
         return DualQuaternion.from_components(components)
@@ -298,10 +303,10 @@ class CubicFamilies:
             return f"{fault.message}: {self._relations(row)}"
         if fault == CubicFault.UNREAL:
             return f"{fault.message}, {self._gram(row):.3g}"
-        if fault in (CubicFault.LOST, CubicFault.REAL_ROOT, CubicFault.UNSPLIT) and not self.problem.is_exact:
+        if fault in NUMERICAL and not self.problem.is_exact:
             size, text = self._nearest(row, family)
             off = self.off.reshape(-1, 2)[row, family]
-            what = (CubicFault.LOST if size < NEAR else fault).message
+            what = (CubicFault.LOST if size < NEAR and fault != CubicFault.POWERS else fault).message
             by = f" (off by {off:.1e})" if MET < off < 1e-2 else ""
             return f"{what}{by}: {text} ({size:.1e})" if size < 0.05 else f"{what}{by}"
         return fault.message

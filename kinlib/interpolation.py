@@ -9,18 +9,19 @@ from typing import Any
 
 import numpy as np
 
-from kinlib.cubics import CubicFault, families_of, no_displacement, rounding, rounding_of_form
+from kinlib.cubics import CubicFamilies, CubicFault, families_of, no_displacement, rounding, rounding_of_form
 from kinlib.dual_quaternion import DualQuaternion, one, study_form
 from kinlib.errors import Fault, first_fault, report_faults
 from kinlib.motion_polynomial import MotionPolynomial
-from kinlib.poses import PoseProblem, as_poses, gap, seen_together
+from kinlib.poses import PoseProblem, as_poses, gap, masked, seen_together
 from kinlib.scalar import divide, is_exact, is_zero
 from kinlib.typing import Array, ArrayLike, Degenerate, PoseLike, ScalarLike
 
 __all__ = ["Families", "conic_through", "cubics_through", "fourth_parameters"]
 
-CUBIC_MET = 1e-6
-"""How near a cubic must pass the poses: where parameters nearly agree, coefficients in powers of t lose digits."""
+
+POWERS_MET = 1e-10
+"""How near a polynomial must pass the poses, in half-angles and in the unit of length of the problem."""
 
 
 class ConicFault(Fault):
@@ -32,7 +33,11 @@ class ConicFault(Fault):
         "two of the three poses differ by a rotation or a translation: their plane is tangent to the Study quadric, "
         "no conic passes through the poses",
     )
-    LOST = 3, "the conic misses a pose in floats: two of the poses nearly differ by a rotation or a translation"
+    LOST = (
+        3,
+        "powers of t lose a pose in floats, since two of the poses nearly differ by a rotation or a translation; "
+        "bennett_linkage keeps it in linear factors",
+    )
 
 
 def conic_through(p0: PoseLike, p1: PoseLike, p2: PoseLike, *, degenerate: Degenerate = "raise") -> MotionPolynomial:
@@ -65,13 +70,20 @@ def conic_through(p0: PoseLike, p1: PoseLike, p2: PoseLike, *, degenerate: Degen
         return conic(*poses)
     problem = seen_together(*poses, degenerate=degenerate)
     with np.errstate(all="ignore"):
-        C = conic(one.astype(float), *problem.others)
-        missed = reduce(np.maximum, [gap(C(t), q) for t, q in zip((0.0, 1.0), problem.others, strict=True)])
-        faults = _conic_faults(
-            problem.steps, [rounding_of_form(step, problem.noise) for step in problem.steps], rounding(problem)
-        )
-    faults = np.where((faults == 0) & ~(missed <= CUBIC_MET), ConicFault.LOST, faults)
-    return _outward(problem, C, report_faults(faults, ConicFault, degenerate))
+        C = _outward(problem, conic(one.astype(float), *problem.others))
+        missed = _missed(problem, [C(0.0), C(1.0)])
+        limits = [rounding_of_form(step, problem.noise) for step in problem.steps]
+        faults = _conic_faults(problem.steps, limits, rounding(problem))
+    faults = np.where((faults == 0) & ~(missed <= POWERS_MET), ConicFault.LOST, faults)
+    return _without(C, report_faults(faults, ConicFault, degenerate, how_near=missed))
+
+
+def _missed(problem: PoseProblem, reached: Sequence[DualQuaternion]) -> Array:
+    """How far poses are from the second, third, … of a problem, beyond what rounding has made of those."""
+    seen = (problem.inward(q * problem.home.conjugate()) for q in reached)
+    return (
+        reduce(np.maximum, [gap(q, other) for q, other in zip(seen, problem.others, strict=True)]) - 64 * problem.noise
+    )
 
 
 def _conic_faults(steps: Sequence[DualQuaternion], limits: Sequence, tolerance: Any) -> np.ndarray:
@@ -81,12 +93,14 @@ def _conic_faults(steps: Sequence[DualQuaternion], limits: Sequence, tolerance: 
     return first_fault((np.any(equal, axis=0), ConicFault.EQUAL), (np.any(zero, axis=0), ConicFault.TANGENT))
 
 
-def _outward(problem: PoseProblem, C: MotionPolynomial, bad: Array) -> MotionPolynomial:
-    """A motion that was found about the middle, in the frame and unit of the poses; NaN in the bad rows."""
-    coefficients = [problem.outward(c) * problem.home for c in C.coefficients]
-    if np.any(bad):
-        coefficients = [DualQuaternion(np.where(bad[..., None], np.nan, c.coeffs)) for c in coefficients]
-    return MotionPolynomial.from_coefficients(coefficients)
+def _outward(problem: PoseProblem, C: MotionPolynomial) -> MotionPolynomial:
+    """A motion that was found about the middle, in the frame and unit of the poses."""
+    return MotionPolynomial.from_coefficients(problem.outward(c) * problem.home for c in C.coefficients)
+
+
+def _without(C: MotionPolynomial, bad: Array) -> MotionPolynomial:
+    """The motion with NaN in the bad rows."""
+    return MotionPolynomial.from_coefficients(masked(c, bad) for c in C.coefficients)
 
 
 def conic(p0: DualQuaternion, p1: DualQuaternion, p2: DualQuaternion) -> MotionPolynomial:
@@ -173,17 +187,25 @@ def cubics_through(
         If no family is real, the poses are not in general position, or the cubics miss a pose.
     """
     families = families_of(p0, p1, p2, p3, free, degenerate)
-    cubics = families.rows.cubics()
+    coefficients = [families.outward(c) for c in families.rows.cubics().coefficients]
     if not families.problem.is_exact:
         with np.errstate(all="ignore"):
-            wide = MotionPolynomial.from_coefficients(c[:, None] for c in cubics.coefficients)
-            missed = families.rows.missed(wide(families.rows.parameters))
-        families = families.less(np.where(missed <= CUBIC_MET, 0, CubicFault.LOST), missed)
+            missed = np.stack([_missed_by_family(families, coefficients, n) for n in (0, 1)], axis=-1)[families.chosen]
+        families = families.less(np.where(missed <= POWERS_MET, 0, CubicFault.POWERS), missed)
     kept, missing = families.judged(degenerate)
-    outward = [families.outward(c) for c in cubics.coefficients]
-    home = families.problem.home
-    found = [MotionPolynomial.from_coefficients(families.spread(c, n) * home for c in outward) for n in kept]
+    found = [_of_family(families, coefficients, n) for n in kept]
     return Families(found, tuple(families.parameters(n) for n in kept), missing)
+
+
+def _of_family(families: CubicFamilies, coefficients: Sequence[DualQuaternion], n: int) -> MotionPolynomial:
+    """The cubics of one family, of the shape of the batch; NaN where there is none."""
+    home = families.problem.home
+    return MotionPolynomial.from_coefficients(families.spread(c, n) * home for c in coefficients)
+
+
+def _missed_by_family(families: CubicFamilies, coefficients: Sequence[DualQuaternion], n: int) -> Array:
+    C = _of_family(families, coefficients, n)
+    return _missed(families.problem, [C(np.asarray(t, dtype=float)[()]) for t in families.parameters(n)[1:]])
 
 
 def fourth_parameters(p0: PoseLike, p1: PoseLike, p2: PoseLike, p3: PoseLike) -> tuple:

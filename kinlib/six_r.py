@@ -14,6 +14,7 @@ from kinlib.errors import first_fault
 from kinlib.factorization import NO_INVERSE, FactorFault, divided_off, factored, polished_at, split_motion, with_rows
 from kinlib.interpolation import Families
 from kinlib.linkage import Linkage
+from kinlib.poses import opening
 from kinlib.scalar import divide
 from kinlib.typing import Array, ArrayLike, Degenerate, PoseLike, ScalarLike
 
@@ -123,7 +124,7 @@ def _factored_block(rows: CubicRows) -> tuple[list[DualQuaternion], Array, Array
 
 def _repaired(rows: CubicRows, factors: list[DualQuaternion]) -> tuple[list[DualQuaternion], Array]:
     """The factors, or better ones in rows where they miss a pose; and by how much these still do."""
-    missed = rows.missed(_product_at(factors, rows.parameters))
+    missed = _missed(rows, factors)
     poor = np.flatnonzero((missed > POLISH) & (missed < 1))
     if not len(poor):
         return factors, missed
@@ -131,11 +132,19 @@ def _repaired(rows: CubicRows, factors: list[DualQuaternion]) -> tuple[list[Dual
     values = [DualQuaternion(v.coeffs[:, None] * np.ones((6, 1))) for v in part.values_at_poses()]
     better = polished_at(part.parameters.T[..., None], values, [h[poor] for h in factors])
     better = [_on_quadric(h) for h in better]
-    off = part.missed(_product_at(better, part.parameters))
+    off = _missed(part, better)
     gain = off < missed[poor]
     missed = missed.copy()
     missed[poor[gain]] = off[gain]
     return [with_rows(h, (poor[gain],), new[gain]) for h, new in zip(factors, better, strict=True)], missed
+
+
+def _missed(rows: CubicRows, factors: list[DualQuaternion]) -> Array:
+    """How far factorizations are from the poses, and from each other where a joint turns fastest, at t = Re h."""
+    turning = np.stack([h.scalar_part[:, 0] for h in factors], axis=-1)
+    values = _product_at(factors, turning)
+    apart = opening(values[:, :1], values).max(axis=(1, 2))
+    return np.maximum(rows.missed(_product_at(factors, rows.parameters)), apart)
 
 
 def _as_cubic_faults(faults: Array) -> Array:

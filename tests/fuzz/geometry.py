@@ -56,6 +56,7 @@ CLAIMS = {
     "excentre": ("in- or excentre",),
     "no factorization": ("cubic meets E", "repeated factors"),
     "number field": ("exact",),
+    "powers of t": ("powers of t",),
 }
 
 
@@ -163,10 +164,22 @@ def of_three_poses(poses) -> dict:
     lengths = _length(q1[1:4]) * _length(q2[1:4])
     return {
         **problem.measures(),
+        "powers of t": _digits_of_conic(problem),
         "meets E": float(crossed),
         "parallel": float(crossed / lengths) if lengths else 0.0,
         "double roots": _gap_of_eigenvalues(problem.seen),
     }
+
+
+def _digits_of_conic(problem: Poses) -> float:
+    """What is left of the digits of the conic's value at t = 1 if it is added up from powers of t."""
+    one, q1, q2 = problem.seen
+    b01, b02, b12 = _study(one, q1), _study(one, q2), _study(q1, q2)
+    if not b12:
+        return 1.0
+    constant, last = [x * b02 / b12 for x in q1[:4]], [x * b01 / b12 for x in q2[:4]]
+    linear = [y - x - w for w, x, y in zip(one, constant, last, strict=False)]
+    return float(_length(last) / (1 + _length(linear) + _length(constant)) / (1 + problem.reach))
 
 
 def _gap_of_eigenvalues(seen) -> float:
@@ -300,6 +313,8 @@ def of_four_poses(poses, free=0) -> dict:
     if discriminant > 0 and z:
         for sign in (1, -1):
             _of_cubic(p, (-(x - y - z) + sign * mp.sqrt(discriminant) * scale) / (2 * z), free, measures)
+    if "powers of t" in measures:
+        measures["powers of t"] /= 1 + problem.reach
     return measures
 
 
@@ -318,8 +333,9 @@ def _of_cubic(p, t3, free, measures) -> None:
     largest = max(abs(w) for w in weights)
     missed = min(abs(w) for w in weights) / largest
     measures["missed"] = min(measures.get("missed", 1.0), float(missed))
+    measures["powers of t"] = min(measures.get("powers of t", 1.0), _digits_of_cubic(p, weights, t))
     try:
-        roots = mp.polyroots(_norm_of_cubic(p, weights, t), maxsteps=500, extraprec=400)
+        roots = mp.polyroots(_norm_of(_coefficients(p, weights, t)), maxsteps=500, extraprec=400)
     except NoConvergence:  # roots that (nearly) agree
         measures["repeated factors"] = 0.0
         return
@@ -330,8 +346,8 @@ def _of_cubic(p, t3, free, measures) -> None:
     measures["repeated factors"] = min(measures.get("repeated factors", 1.0), float(apart))
 
 
-def _norm_of_cubic(p, weights, t) -> list:
-    """C C̄ of C = p0 Π (t − t_j) + Σ λ_j p_j Π_{m≠j} (t − t_m), highest power first."""
+def _coefficients(p, weights, t) -> list:
+    """The primal parts of the coefficients of C = p0 Π (t − t_j) + Σ λ_j p_j Π_{m≠j} (t − t_m), highest power first."""
     coefficients = [[mp.mpf(0)] * 4 for _ in range(4)]
 
     def add(q, polynomial):
@@ -343,7 +359,22 @@ def _norm_of_cubic(p, weights, t) -> list:
     for j, weight in enumerate(weights):
         r, s = (t[m] for m in range(3) if m != j)
         add([x * weight for x in p[j + 1]], [1, -(r + s), r * s])
+    return coefficients
+
+
+def _norm_of(coefficients) -> list:
+    """C C̄, highest power first."""
     total = [mp.mpf(0)] * 7
     for m, n in product(range(4), repeat=2):
         total[m + n] += sum(x * y for x, y in zip(coefficients[m], coefficients[n], strict=True))
     return total
+
+
+def _digits_of_cubic(p, weights, t) -> float:
+    """What is left of the digits of the cubic's values in the poses if they are added up from powers of t."""
+    sizes, left = [_length(c) for c in _coefficients(p, weights, t)], mp.mpf(1)
+    for n, (weight, s) in enumerate(zip(weights, t, strict=True)):
+        others = [s - r for m, r in enumerate(t) if m != n]
+        terms = sum(size * abs(s) ** power for size, power in zip(sizes, (3, 2, 1, 0), strict=True))
+        left = min(left, abs(weight) * _length(p[n + 1][:4]) * abs(others[0] * others[1]) / terms)
+    return float(left)
