@@ -420,7 +420,7 @@ def test_a_batch_of_cubics_is_the_cubics_of_its_rows():
         for C, single in zip(both, singles, strict=True):
             assert C[n].coeffs == pytest.approx(single.coeffs, rel=1e-9)
     with pytest.raises(DegenerateError, match="neither family is real") as caught:
-        cubics_through(*four)
+        cubics_through(*four, 0.3)
     assert caught.value.rows == tuple(np.flatnonzero(unreal))
 
 
