@@ -20,9 +20,9 @@ from kinlib.dual_quaternion import DualQuaternion, eps_times, null_form, one, st
 from kinlib.errors import DegenerateError, Fault, check_degenerate, first_fault, named_rows
 from kinlib.motion_polynomial import MotionPolynomial
 from kinlib.number_field import square_root
-from kinlib.poses import ROUNDING, PoseProblem, as_poses, gap, seen_together
+from kinlib.poses import PoseProblem, as_poses, gap, seen_together
 from kinlib.projective import null_space
-from kinlib.scalar import as_float, as_scalars, divide, is_exact, is_zero
+from kinlib.scalar import ROUNDING, as_float, as_scalars, divide, is_exact, is_zero
 from kinlib.typing import Array, Degenerate, PoseLike
 
 __all__: list[str] = []

@@ -57,7 +57,8 @@ def factored(C: MotionPolynomial) -> Pair:
     """The linear factors from the roots of the norm polynomial of the conic, in both orders."""
     upper = _upper_roots(C)
     quadratics = np.stack([np.ones(upper.shape), -2 * upper.real, np.abs(upper) ** 2], axis=-1)
-    return tuple(factor_in_orders(C, quadratics, BOTH_ORDERS))
+    first, second = factor_in_orders(C, quadratics, BOTH_ORDERS)
+    return first, second
 
 
 def _upper_roots(C: MotionPolynomial) -> np.ndarray:
@@ -115,7 +116,7 @@ def spectrum_of(q1: DualQuaternion, q2: DualQuaternion) -> Spectrum:
     gram = mixed + np.swapaxes(mixed, -1, -2)
     values, vectors = np.linalg.eigh(np.where(np.isfinite(gram), gram, 0))
     rows = DualQuaternion(np.swapaxes(vectors, -1, -2) @ plane)
-    return Spectrum(tuple(rows[..., n] for n in range(3)), (e1 * e2).primal, values)
+    return Spectrum((rows[..., 0], rows[..., 1], rows[..., 2]), (e1 * e2).primal, values)
 
 
 def has_double_roots(problem: PoseProblem, plane: Spectrum) -> np.ndarray:
@@ -170,7 +171,7 @@ def _axes(minus: Pair, plus: Pair) -> Pair:
     h1, h2 = total + difference, total - difference
     product = 1 - 2 * projection
     swap = np.where(null_form(h1 * h2, product - product.scalar_part) < 0, -1, 1)
-    return tuple(half_turn_of(on_axis(h)) for h in (total + difference * swap, total - difference * swap))
+    return half_turn_of(on_axis(total + difference * swap)), half_turn_of(on_axis(total - difference * swap))
 
 
 def _turned(x: DualQuaternion, y: DualQuaternion) -> Pair:
@@ -194,7 +195,8 @@ def _by_null_quadrilateral(problem: PoseProblem, plane: Spectrum) -> Pair:
     C = conic_from(problem, start_of(problem))
     m1, n1 = (C(_sharpened(C, root)).coeffs for root in np.moveaxis(_upper_roots(C), -1, 0))
     pairs = [_lifted(u, m1, n1) for u in _first_vertices(m1[..., :4], n1.conj()[..., :4])]
-    return tuple(DualQuaternion.stack(both, axis=-1) for both in zip(*pairs, strict=True))
+    (a1, a2), (b1, b2) = pairs
+    return DualQuaternion.stack([a1, b1], axis=-1), DualQuaternion.stack([a2, b2], axis=-1)
 
 
 def _sharpened(C, t: np.ndarray) -> np.ndarray:
