@@ -28,7 +28,6 @@ from kinlib.pictures import (
     write_picture,
 )
 from kinlib.pictures import draw as still
-from kinlib.pictures.bars import Bars
 
 
 @pytest.fixture(scope="module")
@@ -102,8 +101,8 @@ def test_a_linkage_is_drawn_where_its_axes_are(monkeypatch, linkages, ax, t):
 def test_bars_are_computed_once(monkeypatch, linkages, ax):
     """However many positions are drawn."""
     asked = []
-    ends = Bars.ends.func
-    monkeypatch.setattr(Bars.ends, "func", lambda bars: asked.append(bars) or ends(bars))
+    compute = kl.Chain._bars_near
+    monkeypatch.setattr(kl.Chain, "_bars_near", lambda chain, near: asked.append(chain) or compute(chain, near))
     draw_positions(linkages[0], THREE_POSES, ax)
     assert len(asked) == 1
 
@@ -185,7 +184,7 @@ def test_joint_angles_over_one_turn(linkages):
     linkage = linkages[0]
     _, ax = plt.subplots()
     assert draw_joint_angles(linkage, ax) is ax
-    assert len(ax.lines) == len(linkage.joints)
+    assert len(ax.lines) == linkage.joint_count
     whole_turns = {tuple(np.round(line.get_ydata()[[0, -1]] / 360).astype(int)) for line in ax.lines}
     assert whole_turns == {(0, -2), (0, -1)}
     named = {number for text in ax.texts for number in text.get_text() if number.isdigit()}

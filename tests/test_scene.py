@@ -246,8 +246,8 @@ def test_every_number_of_links_has_colours(count):
 
 def test_bars_of_a_scene_are_computed_once(monkeypatch, linkages):
     asked = []
-    ends = Bars.ends.func
-    monkeypatch.setattr(Bars.ends, "func", lambda bars: asked.append(bars) or ends(bars))
+    compute = kl.Chain._bars_near
+    monkeypatch.setattr(kl.Chain, "_bars_near", lambda chain, near: asked.append(chain) or compute(chain, near))
     linkage_scene(linkages[0], THREE_POSES, alt=ALT)
     assert len(asked) == 1
 

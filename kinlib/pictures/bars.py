@@ -44,22 +44,10 @@ class Bars:
         """The origin of the coupler's frame at home, shape (3,)."""
         return as_float(act(self.linkage.home, [0, 0, 0]))
 
-    @cached_property
+    @property
     def ends(self) -> np.ndarray:
-        """The two ends of every link at home, on the axes that it joins; shape (n, 2, 3), row i for link i.
-
-        Link i joins the axes i and i + 1 (link 0 the last and the first).  Its ends are the feet of their common
-        perpendicular.  Where these feet run far away, the bars go straight between points that lie close together;
-        where all axes meet, they go between points at one distance from there.
-        """
-        points, directions = self.lines
-        near = _near_points(points, directions)
-        feet = _feet(near, directions)
-        if _radius(near) <= 1e-9 * np.abs(np.concatenate([near, [self.origin]])).max():
-            distance = np.linalg.norm(self.origin - near[0])
-            near = near + (distance if distance > 1e-9 * np.abs(near).max() else 1.0) * directions
-        straight = np.stack([np.roll(near, 1, axis=0), near], axis=1)
-        return feet if 1e-6 < _radius(feet) / _radius(straight) <= 3 else straight
+        """The two ends of every link at home, on the axes that it joins; shape (n, 2, 3), link 0 first."""
+        return self.linkage.bars()
 
     @cached_property
     def size(self) -> float:
@@ -77,20 +65,6 @@ def lines_of(axes: DualQuaternion) -> tuple[np.ndarray, np.ndarray]:
     length = np.linalg.norm(coefficients[:, 1:4], axis=1, keepdims=True)
     directions, moments = coefficients[:, 1:4] / length, coefficients[:, 5:8] / length
     return np.cross(directions, moments), directions
-
-
-def _near_points(points: np.ndarray, directions: np.ndarray) -> np.ndarray:
-    """One point on every axis, so that the sum of the squared distances around the loop is least."""
-    n = len(points)
-    sides = np.eye(n) - np.roll(np.eye(n), 1, axis=1)
-    system = (sides[:, None, :] * directions.T).reshape(3 * n, n)
-    along = np.linalg.lstsq(system, -(sides @ points).ravel(), rcond=1e-9)[0]
-    return points + along[:, None] * directions
-
-
-def _feet(points: np.ndarray, directions: np.ndarray) -> np.ndarray:
-    """The feet of the common perpendicular of each axis and the next; near the points if parallel."""
-    return np.array([common_feet(points[[k - 1, k]], directions[[k - 1, k]]) for k in range(len(points))])
 
 
 def common_feet(points: np.ndarray, directions: np.ndarray) -> np.ndarray:

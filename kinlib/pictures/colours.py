@@ -57,7 +57,7 @@ def link_colours(linkage: Linkage) -> tuple[str, ...]:
         Hexadecimal colours, link 0 first.
     """
     special = {0: BASE, linkage.coupler: COUPLER}
-    others = [link for link in range(len(linkage.joints)) if link not in special]
+    others = [link for link in range(linkage.joint_count) if link not in special]
     colours = special | {link: _colour(place) for place, link in enumerate(others)}
     return tuple(colours[link] for link in sorted(colours))
 
@@ -72,4 +72,4 @@ def _colour(place: int) -> str:
 def link_names(linkage: Linkage) -> tuple[str, ...]:
     """What the links are called in a legend, link 0 first."""
     special = {0: "base (fixed)", linkage.coupler: "coupler"}
-    return tuple(special.get(link, f"link {link}") for link in range(len(linkage.joints)))
+    return tuple(special.get(link, f"link {link}") for link in range(linkage.joint_count))

@@ -87,7 +87,7 @@ def linkage_scene(
             Curve(path, COUPLER, 0.012 * unit, closed=True),
             *_reached(poses, reached, unit, names),
         ],
-        motions={body_of(n): moves[:, n] for n in range(1, len(linkage.joints))},
+        motions={body_of(n): moves[:, n] for n in range(1, linkage.joint_count)},
         captions=[f"t = {_short(x)}" for x in t],
         legend=[*zip(link_names(linkage), link_colours(linkage), strict=True)],
         alt=alt,
