@@ -8,6 +8,7 @@ acts first.
 from __future__ import annotations
 
 import math
+import operator
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from itertools import accumulate
 from typing import Any
@@ -208,7 +209,7 @@ class DualQuaternion:
             return wrap(_aligned_sum(self._components, other._components))
         if not is_scalar(other):
             return NotImplemented
-        return self + _embedded(other, self._components)
+        return wrap(_plus_scalar(self._components, other))
 
     def __pos__(self) -> DualQuaternion:
         return self
@@ -221,10 +222,10 @@ class DualQuaternion:
             return wrap(_aligned_sum(self._components, -other._components))
         if not is_scalar(other):
             return NotImplemented
-        return self - _embedded(other, self._components)
+        return wrap(_plus_scalar(self._components, other, operator.sub))
 
     def __rsub__(self, other: ArrayLike) -> DualQuaternion:
-        return _embedded(other, self._components) - self
+        return -self + other
 
     def __mul__(self, other: DualQuaternion | ArrayLike) -> DualQuaternion:
         if isinstance(other, DualQuaternion):
@@ -426,12 +427,16 @@ def _takes_the_precision_of(components: np.ndarray, x: Any) -> bool:
     return components.dtype.kind in "fc" and (kind is float or (kind is int and abs(x) < 2**1023))
 
 
-def _embedded(scalar: Any, company: np.ndarray) -> DualQuaternion:
-    """A scalar, or an array of scalars, as dual quaternions in the precision of the company."""
-    array = np.array(scalar, dtype=company.dtype) if _takes_the_precision_of(company, scalar) else as_scalars(scalar)
-    components = np.zeros((8, *array.shape), dtype=array.dtype)
-    components[0] = array
-    return wrap(components)
+def _plus_scalar(components: np.ndarray, scalar: Any, combine: Callable[[Any, Any], Any] = operator.add) -> np.ndarray:
+    """The sum with a scalar, or an array of scalars, in the precision of the components; or the difference."""
+    single = _takes_the_precision_of(components, scalar)
+    array = np.array(scalar, dtype=components.dtype) if single else as_scalars(scalar)
+    components, array = promote(*_aligned(components, array[None]))
+    shape = np.broadcast_shapes(components.shape, (8, *array.shape[1:]))
+    total = np.empty(shape, dtype=np.result_type(components, array))
+    np.add(components, 0, out=total)  # no zero is left with a sign
+    total[0] = combine(total[0], array[0])
+    return total
 
 
 def _signed(components: np.ndarray, signs: tuple[int, ...]) -> np.ndarray:

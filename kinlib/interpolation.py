@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from kinlib.cubics import CubicFamilies, CubicFault, families_of, no_displacement, rounding, rounding_of_form
-from kinlib.dual_quaternion import DualQuaternion, one, study_form
+from kinlib.dual_quaternion import DualQuaternion, one, primal_size, study_form
 from kinlib.errors import Fault, first_fault, report_faults
 from kinlib.motion_polynomial import MotionPolynomial
 from kinlib.poses import PoseProblem, as_poses, gap, masked, seen_together
@@ -20,7 +20,7 @@ from kinlib.typing import Array, ArrayLike, Degenerate, PoseLike, ScalarLike
 __all__ = ["Families", "conic_through", "cubics_through", "fourth_parameters"]
 
 
-POWERS_MET = 1e-10
+POWERS_MET = 2e-10
 """How near a polynomial must pass the poses, in half-angles and in the unit of length of the problem."""
 
 
@@ -35,8 +35,8 @@ class ConicFault(Fault):
     )
     LOST = (
         3,
-        "powers of t lose a pose in floats, since two of the poses nearly differ by a rotation or a translation; "
-        "bennett_linkage keeps it in linear factors",
+        "powers of t lose a pose in floats, since two of the poses nearly differ by a rotation or a translation, or "
+        "the poses are far from the origin; bennett_linkage keeps it in linear factors",
     )
 
 
@@ -71,19 +71,25 @@ def conic_through(p0: PoseLike, p1: PoseLike, p2: PoseLike, *, degenerate: Degen
     problem = seen_together(*poses, degenerate=degenerate)
     with np.errstate(all="ignore"):
         C = _outward(problem, conic(one.astype(float), *problem.others))
-        missed = _missed(problem, [C(0.0), C(1.0)])
+        missed = _missed(problem, C, (0.0, 1.0))
         limits = [rounding_of_form(step, problem.noise) for step in problem.steps]
         faults = _conic_faults(problem.steps, limits, rounding(problem))
     faults = np.where((faults == 0) & ~(missed <= POWERS_MET), ConicFault.LOST, faults)
     return _without(C, report_faults(faults, ConicFault, degenerate, how_near=missed))
 
 
-def _missed(problem: PoseProblem, reached: Sequence[DualQuaternion]) -> Array:
-    """How far poses are from the second, third, … of a problem, beyond what rounding has made of those."""
-    seen = (problem.inward(q * problem.home.conjugate()) for q in reached)
-    return (
-        reduce(np.maximum, [gap(q, other) for q, other in zip(seen, problem.others, strict=True)]) - 64 * problem.noise
-    )
+def _missed(problem: PoseProblem, C: MotionPolynomial, parameters: Sequence[Any]) -> Array:
+    """How far C may be from the second, third, … pose of a problem, beyond what rounding has made of those.
+
+    What is seen at t is not all: rounding changes the sum of the c_k t^k as it has changed the c_k.
+    """
+    off = []
+    for t, wanted in zip(parameters, problem.others, strict=True):
+        reached = C(t)
+        terms = sum(primal_size(c) * np.abs(t) ** (C.degree - k) for k, c in enumerate(C.coefficients))
+        seen = gap(problem.inward(reached * problem.home.conjugate()), wanted)
+        off.append(seen + np.finfo(float).eps * terms / primal_size(reached))
+    return reduce(np.maximum, off) - 32 * problem.noise
 
 
 def _conic_faults(steps: Sequence[DualQuaternion], limits: Sequence, tolerance: Any) -> np.ndarray:
@@ -205,7 +211,7 @@ def _of_family(families: CubicFamilies, coefficients: Sequence[DualQuaternion], 
 
 def _missed_by_family(families: CubicFamilies, coefficients: Sequence[DualQuaternion], n: int) -> Array:
     C = _of_family(families, coefficients, n)
-    return _missed(families.problem, [C(np.asarray(t, dtype=float)[()]) for t in families.parameters(n)[1:]])
+    return _missed(families.problem, C, [np.asarray(t, dtype=float)[()] for t in families.parameters(n)[1:]])
 
 
 def fourth_parameters(p0: PoseLike, p1: PoseLike, p2: PoseLike, p3: PoseLike) -> tuple:

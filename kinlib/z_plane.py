@@ -16,6 +16,7 @@ import numpy as np
 
 from kinlib.dual_quaternion import DualQuaternion, null_form
 from kinlib.dyad import Dyad
+from kinlib.dyad_routes import on_axis
 from kinlib.errors import Fault, check_degenerate, first_fault, report_faults
 from kinlib.factorization import bennett_flip, polished, product_of
 from kinlib.linkage import Linkage, verified_loop
@@ -290,23 +291,29 @@ class ZPlane:
         poor = ~(missed <= GOOD) & np.isfinite(missed)
         if self.problem.is_exact or not poor.any():
             return chains, missed
-        first = [_broadcast_rows(h, poor) for h in chains[0]]
-        C = MotionPolynomial.from_coefficients(product_of(first))
-        better = [polished(C, [_broadcast_rows(h, poor) for h in chain]) for chain in chains[1:]]
-        tried = [chains[0], *(_with_rows(chain, poor, new) for chain, new in zip(chains[1:], better, strict=True))]
-        now = np.asarray(self._missed(tried))
-        gain = poor & (now < missed)
-        return [
+        kept = [tuple(on_axis(_broadcast_rows(h, poor)) for h in chain) for chain in chains]
+        C = MotionPolynomial.from_coefficients(product_of(kept[0]))
+        tried = [kept[0], *([on_axis(h) for h in polished(C, chain)] for chain in kept[1:])]
+        before, now = (np.asarray(self._missed(these, poor)) for these in (kept, tried))
+        gain = now < before
+        missed = missed.copy()
+        missed[poor] = np.where(gain, now, before)
+        kept = [
             tuple(chosen(gain, new, old) for new, old in zip(*both, strict=True))
-            for both in zip(tried, chains, strict=True)
-        ], np.where(gain, now, missed)
+            for both in zip(tried, kept, strict=True)
+        ]
+        return [_with_rows(chain, poor, new) for chain, new in zip(chains, kept, strict=True)], missed
 
-    def _missed(self, chains: list[tuple]) -> np.ndarray:
+    def _missed(self, chains: list[tuple], rows: np.ndarray | None = None) -> np.ndarray:
         """How far the chains are from the poses, and from each other where a joint turns fastest, at t = Re f."""
-        t = [*self.parameters[1:], *(h.scalar_part for h in chains[0])][: 3 if self.problem.is_exact else None]
+        stops, seen = self.parameters[1:], self._seen
+        if rows is not None:
+            stops = [np.broadcast_to(t, rows.shape)[rows] for t in stops]
+            seen = [_broadcast_rows(q, rows) for q in seen]
+        t = [*stops, *(h.scalar_part for h in chains[0])][: 3 if self.problem.is_exact else None]
         t = np.stack(np.broadcast_arrays(*t), axis=-1)
         values = [_product_at(chain, t) for chain in chains]
-        off = [gap(values[0][..., n], q) for n, q in enumerate(self._seen)]
+        off = [gap(values[0][..., n], q) for n, q in enumerate(seen)]
         off += [opening(values[0], value).max(axis=-1) for value in values[1:]]
         return np.max(np.broadcast_arrays(*off), axis=0)
 

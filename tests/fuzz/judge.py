@@ -78,7 +78,7 @@ def _moved(R, t, c) -> np.ndarray:
     return (R @ c[:, None, :, None])[..., 0] + t - c[:, None]
 
 
-def _least_moved(R, t, start, damping: float = 1e-3) -> np.ndarray:
+def _least_moved(R, t, start, damping: float = 1e-2) -> np.ndarray:
     """Damped least squares, repeated, so that only moves that hardly turn are damped."""
     n, count = t.shape[:2]
     A = (R - np.eye(3)).reshape(n, 3 * count, 3)
@@ -150,9 +150,10 @@ def _gap(reached, wanted, middle, frame: Frame, reach) -> np.ndarray:
 
 
 def _off_the_quadric(reached) -> np.ndarray:
-    """p · d / (p · p), a length: zero for a pose."""
+    """p · d / (p · p), a length: zero for a pose, and for p = 0, since the quadric holds the exceptional space."""
     p, d = reached[:4], reached[4:]
-    return np.abs(ratio((p * d).sum(0), (p * p).sum(0)))
+    square = (p * p).sum(0)
+    return np.where(square == 0, 0.0, np.abs(ratio((p * d).sum(0), square)))
 
 
 def _at(polynomial, t) -> np.ndarray:
