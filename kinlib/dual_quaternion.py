@@ -63,7 +63,6 @@ class DualQuaternion:
 
     __slots__ = ("_components",)
     __array_ufunc__ = None  # arrays leave mixed operations to this class
-    __hash__ = None  # type: ignore[assignment]
     _components: np.ndarray
 
     def __init__(self, coeffs: DualQuaternion | Sequence[DualQuaternion] | ArrayLike):
@@ -267,7 +266,7 @@ class DualQuaternion:
             raise ValueError(f"a batch of shape {self.shape} has no truth value: compare its entries, as in q != 0")
         return not np.all(is_zero(self._components, rtol=0))
 
-    def __eq__(self, other: object) -> Any:
+    def __eq__(self, other: Any) -> Any:
         """Whether all coefficients agree (not: whether the points of P⁷ do); one answer a batch entry.
 
         An array is read as coefficients, shape (..., 8); a single number is compared as one.
@@ -280,7 +279,7 @@ class DualQuaternion:
         if not isinstance(other, DualQuaternion) and not is_scalar(other):
             return NotImplemented
         try:
-            difference = self - other  # type: ignore[operator]
+            difference = self - other
         except TypeError:
             return NotImplemented
         equal = np.asarray(is_zero(difference._components, rtol=0)).all(axis=0)

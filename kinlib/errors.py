@@ -7,6 +7,7 @@ from enum import IntEnum
 from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 __all__ = ["DegenerateError"]
 
@@ -58,7 +59,13 @@ def check_degenerate(degenerate: str) -> None:
 
 
 def report_faults(
-    faults, kind: type[Fault], degenerate: str, *, place: str = "", how_near=None, **details
+    faults: ArrayLike,
+    kind: type[Fault],
+    degenerate: str,
+    *,
+    place: str = "",
+    how_near: ArrayLike | None = None,
+    dyad: Any = None,
 ) -> np.ndarray:
     """Raise an error about the rows with a fault, or tell which rows have one.
 
@@ -74,6 +81,8 @@ def report_faults(
         Where it is, in front of the message.
     how_near : array of float, optional
         How far each row is from its fault, relative to the size of the problem; said behind the message.
+    dyad : Dyad, optional
+        The only one that there is; attached to the error.
 
     Returns
     -------
@@ -84,14 +93,10 @@ def report_faults(
     check_degenerate(degenerate)
     if degenerate == "nan" or not faults.any():
         return faults > 0
-    rows = np.flatnonzero(faults) if faults.ndim else []
-    kinds = [_message(kind, int(n)) for n in np.unique(faults[faults > 0])]
+    rows = rows_where(faults)
+    kinds = [kind(n).message for n in np.unique(faults[faults > 0])]
     near = "" if how_near is None else _nearness(np.broadcast_to(how_near, faults.shape)[faults > 0])
-    raise DegenerateError(f"{named_rows(rows)}{place}{'; '.join(kinds)}{near}", rows=tuple(map(int, rows)), **details)
-
-
-def _message(kind, number: int) -> str:
-    return kind[number - 1] if isinstance(kind, (tuple, list)) else kind(number).message
+    raise DegenerateError(f"{named_rows(rows)}{place}{'; '.join(kinds)}{near}", rows=rows, dyad=dyad)
 
 
 def _nearness(values: np.ndarray) -> str:

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import reduce
+from operator import add
+from typing import Any, TypeAlias, TypeVar, Union
 
 import numpy as np
 
@@ -14,6 +16,11 @@ from kinlib.scalar import ROUNDING, RTOL, as_scalars, divide, is_exact, is_infin
 from kinlib.typing import Array, ArrayLike, Degenerate, PointLike, ScalarLike
 
 __all__ = ["MotionPolynomial", "RationalCurve", "evaluate", "linear_factor", "multiply"]
+
+PolynomialLike: TypeAlias = Union["MotionPolynomial", DualQuaternion, ArrayLike]
+"""What polynomials compute with: a polynomial, or a constant, which is a dual quaternion or a number."""
+
+Coefficient = TypeVar("Coefficient", DualQuaternion, Array)
 
 
 @dataclass(frozen=True, eq=False)
@@ -28,7 +35,7 @@ class RationalCurve:
 
     coeffs: Array
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         coeffs = as_scalars(self.coeffs)
         if coeffs.ndim < 2 or coeffs.shape[-1] != 4:
             raise ValueError(f"expected coefficients of shape (..., m+1, 4), got {coeffs.shape}")
@@ -50,7 +57,7 @@ class RationalCurve:
             raise TypeError("a single curve has no length; its coefficients are in .coeffs")
         return self.shape[0]
 
-    def __getitem__(self, index) -> RationalCurve:
+    def __getitem__(self, index: Any) -> RationalCurve:
         """Entries of the batch."""
         if not self.shape:
             raise TypeError("a single curve has no entries; its coefficients are in .coeffs")
@@ -89,7 +96,6 @@ class MotionPolynomial:
     _coefficients: tuple[DualQuaternion, ...]
     _columns: tuple[Array, ...] | None
     _factors: tuple[tuple[DualQuaternion, ...], DualQuaternion] | None
-    __hash__ = None
     __array_ufunc__ = None
 
     def __init__(self, coeffs: ArrayLike):
@@ -128,13 +134,13 @@ class MotionPolynomial:
         object.__setattr__(self, "_columns", None)
         object.__setattr__(self, "_factors", None)
 
-    def __setattr__(self, name: str, value) -> None:
+    def __setattr__(self, name: str, value: object) -> None:
         raise AttributeError(f"a motion polynomial does not change: {name} cannot be set")
 
     def __delattr__(self, name: str) -> None:
         raise AttributeError(f"a motion polynomial does not change: {name} cannot be deleted")
 
-    def __reduce__(self):
+    def __reduce__(self) -> tuple[Any, ...]:
         if self._factors is not None:
             return MotionPolynomial.from_factors, self._factors
         return MotionPolynomial.from_coefficients, (self.coefficients,)
@@ -174,20 +180,24 @@ class MotionPolynomial:
             are too large for floats gives C(t)/tⁿ, which is the same pose.
         """
         if self._factors is not None:
-            return self._product_at(t)
-        if np.ndim(t) == 0 or self.shape:
+            return self._product_at(t, *self._factors)
+        if np.asarray(t).ndim == 0 or self.shape:
             first, *others = self.coefficients
             return evaluate((first + others[0] * 0, *others) if others else (first,), t)
-        if self._columns is None:
-            object.__setattr__(self, "_columns", promote(*(c.components for c in self.coefficients)))
-        return DualQuaternion.from_components(_evaluate(self._columns, t))
+        columns = self._columns
+        if columns is None:
+            columns = promote(*(c.components for c in self.coefficients))
+            object.__setattr__(self, "_columns", columns)
+        return DualQuaternion.from_components(_evaluate(columns, t))
 
-    def _product_at(self, t: ScalarLike | ArrayLike) -> DualQuaternion:
+    def _product_at(
+        self, t: ScalarLike | ArrayLike, factors: Sequence[DualQuaternion], last: DualQuaternion
+    ) -> DualQuaternion:
         """The value at t from the factors; from the coefficients where powers of t are too large."""
-        factors, last = self._factors
         t = as_scalars(t)
         finite = t if t.dtype.kind not in "fc" else np.where(np.abs(t) > _too_large(self.degree), 1.0, t)
-        product = reduce(lambda q, h: q * (finite[()] - h), factors[1:], finite[()] - factors[0]) * last
+        x: Any = finite[()]
+        product = reduce(lambda q, h: q * (x - h), factors[1:], x - factors[0]) * last
         if finite is t or np.all(finite == t):
             return product
         far = evaluate(self.coefficients, t)
@@ -221,7 +231,7 @@ class MotionPolynomial:
         bound = np.expand_dims(rtol * primal * dual + ROUNDING * primal * primal, -1)
         return np.all(is_zero(self.study_polynomial(), bound, 1.0), axis=-1)
 
-    def __add__(self, other) -> MotionPolynomial:
+    def __add__(self, other: PolynomialLike) -> MotionPolynomial:
         longer, shorter = self.coefficients, _polynomial(other).coefficients
         if len(longer) < len(shorter):
             longer, shorter = shorter, longer
@@ -234,16 +244,16 @@ class MotionPolynomial:
     def __neg__(self) -> MotionPolynomial:
         return self.from_coefficients(-c for c in self.coefficients)
 
-    def __sub__(self, other) -> MotionPolynomial:
+    def __sub__(self, other: PolynomialLike) -> MotionPolynomial:
         return self + -_polynomial(other)
 
-    def __rsub__(self, other) -> MotionPolynomial:
+    def __rsub__(self, other: PolynomialLike) -> MotionPolynomial:
         return _polynomial(other) + -self
 
-    def __mul__(self, other) -> MotionPolynomial:
+    def __mul__(self, other: PolynomialLike) -> MotionPolynomial:
         return self.from_coefficients(multiply(self.coefficients, _polynomial(other).coefficients))
 
-    def __rmul__(self, other) -> MotionPolynomial:
+    def __rmul__(self, other: PolynomialLike) -> MotionPolynomial:
         return _polynomial(other) * self
 
     def __divmod__(self, divisor: MotionPolynomial) -> tuple[MotionPolynomial, MotionPolynomial]:
@@ -268,7 +278,7 @@ class MotionPolynomial:
         remainder = rest[max(len(rest) - divisor.degree, 0) :]
         return self.from_coefficients(quotient or [zero]), self.from_coefficients(remainder or [zero])
 
-    def __eq__(self, other):
+    def __eq__(self, other: Any) -> Any:
         """Whether all coefficients agree; one answer a batch entry."""
         try:
             difference = self - other
@@ -277,7 +287,7 @@ class MotionPolynomial:
         equal = reduce(np.logical_and, [c == 0 for c in difference.coefficients])
         return bool(equal) if np.ndim(equal) == 0 else equal
 
-    def __ne__(self, other):
+    def __ne__(self, other: object) -> Any:
         equal = self == other
         return ~equal if isinstance(equal, np.ndarray) else not equal
 
@@ -289,7 +299,7 @@ class MotionPolynomial:
     def __iter__(self) -> Iterator[MotionPolynomial]:
         return (self[n] for n in range(len(self)))
 
-    def __getitem__(self, index) -> MotionPolynomial:
+    def __getitem__(self, index: Any) -> MotionPolynomial:
         """Entries of the batch."""
         if not self.shape:
             raise TypeError("a single motion polynomial has no entries; its coefficients are in .coefficients")
@@ -353,23 +363,22 @@ def _term(c: DualQuaternion, power: int) -> str:
     return name if text == "1" else f"({text}) {name}"
 
 
-def _polynomial(x) -> MotionPolynomial:
+def _polynomial(x: PolynomialLike) -> MotionPolynomial:
     """A dual quaternion or a scalar as a constant polynomial."""
     if isinstance(x, MotionPolynomial):
         return x
     return MotionPolynomial.from_coefficients([x if isinstance(x, DualQuaternion) else one * x])
 
 
-def multiply(left, right) -> list[DualQuaternion]:
+def multiply(left: Sequence[DualQuaternion], right: Sequence[DualQuaternion]) -> list[DualQuaternion]:
     """The coefficients of the product of two polynomials, given by theirs, highest power first."""
-    total = [None] * (len(left) + len(right) - 1)
-    for n, a in enumerate(left):
-        for m, b in enumerate(right):
-            total[n + m] = a * b if total[n + m] is None else total[n + m] + a * b
-    return total
+    return [
+        reduce(add, [left[n] * right[r - n] for n in range(max(0, r - len(right) + 1), min(r, len(left) - 1) + 1)])
+        for r in range(len(left) + len(right) - 1)
+    ]
 
 
-def _convolve(form, items) -> np.ndarray:
+def _convolve(form: Callable[[DualQuaternion, DualQuaternion], Array], items: Sequence[DualQuaternion]) -> np.ndarray:
     """Σ form(x_n, x_m) over n + m = r, for r = 0, 1, …, on the last axis."""
     count = len(items)
     sums = [
@@ -379,10 +388,11 @@ def _convolve(form, items) -> np.ndarray:
     return np.stack(np.broadcast_arrays(*sums), axis=-1)
 
 
-def evaluate(coefficients: Sequence[DualQuaternion], t: ScalarLike | ArrayLike) -> DualQuaternion:
+def evaluate(coefficients: Sequence[Coefficient], t: ScalarLike | ArrayLike) -> Coefficient:
     """Horner's rule for coefficients of any kind; at infinity the leading one.  t broadcasts with the batch."""
-    if np.asarray(t).dtype.kind in "fc":
-        large = np.abs(t) > _too_large(len(coefficients) - 1)
+    values = np.asarray(t)
+    if values.dtype.kind in "fc":
+        large = np.abs(values) > _too_large(len(coefficients) - 1)
         return _evaluate_far_away(coefficients, t, large) if np.any(large) else _horner(coefficients, t)
     infinite = is_infinite(t)
     return coefficients[0] if infinite else _horner(coefficients, t)
@@ -393,11 +403,11 @@ def _too_large(degree: int) -> float:
     return 1e300 ** (1 / max(degree, 1))
 
 
-def _horner(coefficients, t):
+def _horner(coefficients: Sequence[Coefficient], t: Any) -> Coefficient:
     return reduce(lambda total, c: total * t + c, coefficients)
 
 
-def _evaluate_far_away(coefficients, t, large):
+def _evaluate_far_away(coefficients: Sequence[Coefficient], t: Any, large: Array) -> Coefficient:
     """C(t), or C(t)/tⁿ where the powers of t are too large: then it is a polynomial in 1/t."""
     if np.ndim(t) == 0:
         return coefficients[0] if np.isinf(t) else _horner(coefficients[::-1], 1 / t)
@@ -406,7 +416,7 @@ def _evaluate_far_away(coefficients, t, large):
     return near * np.where(large, 0.0, 1.0) + far * np.where(large, 1.0, 0.0)
 
 
-def _evaluate(columns: Sequence[np.ndarray], t) -> np.ndarray:
+def _evaluate(columns: Sequence[np.ndarray], t: ArrayLike) -> np.ndarray:
     """One polynomial at an array of parameters, as the product of its coefficients, components first, and powers."""
     matrix = np.array(columns).T
     matrix, t = promote(matrix, as_scalars(t))
