@@ -17,18 +17,24 @@ from functools import reduce
 from itertools import pairwise, permutations
 from numbers import Rational
 from operator import index, mul
-from typing import NamedTuple
+from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 
 from kinlib.dual_quaternion import DualQuaternion, null_form, one
 from kinlib.errors import DegenerateError, Fault, first_fault, report_faults
-from kinlib.motion_polynomial import MotionPolynomial, check_monic
+from kinlib.motion_polynomial import Coefficient, MotionPolynomial, check_monic
 from kinlib.number_field import NumberField, NumberFieldElement, square_root
 from kinlib.scalar import as_float, as_scalars, divide, is_exact, is_zero
 from kinlib.typing import Array, ArrayLike, Degenerate
 
 __all__ = ["bennett_flip", "exchange", "factorizations", "factorize", "quadratic_factors", "quadratic_of"]
+
+Orders: TypeAlias = Sequence[Sequence[int]]
+"""Permutations of the numbers of the quadratic factors."""
+
+Quadratic: TypeAlias = list[Any]
+"""The exact coefficients 1, b, c of a quadratic polynomial."""
 
 
 class FactorFault(Fault):
@@ -122,7 +128,7 @@ def upper_roots(polynomial: np.ndarray) -> np.ndarray:
     return centre + unit * in_order(roots)
 
 
-def shifted(coefficients, centre) -> list:
+def shifted(coefficients: Sequence[Coefficient], centre: Array) -> list[Coefficient]:
     """The coefficients of a polynomial in u = t − centre."""
     shifted = list(coefficients)
     for n in range(len(shifted) - 1, 0, -1):
@@ -131,7 +137,7 @@ def shifted(coefficients, centre) -> list:
     return shifted
 
 
-def _unit_of(rows) -> np.ndarray:
+def _unit_of(rows: Sequence[Array]) -> np.ndarray:
     """The geometric mean of the roots of a polynomial, as a power of two."""
     return _power_of_two((rows[-1] / rows[0]) ** (1 / (len(rows) - 1)))
 
@@ -185,7 +191,7 @@ def order_of(real: np.ndarray, imaginary: np.ndarray) -> np.ndarray:
     return np.lexsort((imaginary, level), axis=-1)
 
 
-def _split_exact(row: np.ndarray) -> list[list]:
+def _split_exact(row: np.ndarray) -> list[Quadratic]:
     if any(getattr(c, "free_symbols", None) for c in row):
         return _split_symbols(row)
     from sympy import QQ, Poly, Symbol
@@ -201,7 +207,7 @@ def _split_exact(row: np.ndarray) -> list[list]:
     return _sorted(split)
 
 
-def _sorted(quadratics: list[list]) -> list[list]:
+def _sorted(quadratics: list[Quadratic]) -> list[Quadratic]:
     """Exact quadratic polynomials in the order of their roots."""
     if not quadratics:
         return quadratics
@@ -210,7 +216,7 @@ def _sorted(quadratics: list[list]) -> list[list]:
     return [quadratics[n] for n in order_of(real, imaginary)]
 
 
-def _split_symbols(row: np.ndarray) -> list[list]:
+def _split_symbols(row: np.ndarray) -> list[Quadratic]:
     """The factors over the rational functions of the symbols; all of them must be quadratic there."""
     from sympy import Poly, Symbol
 
@@ -222,7 +228,7 @@ def _split_symbols(row: np.ndarray) -> list[list]:
     return [coefficients for coefficients, power in factors for _ in range(power)]
 
 
-def _in_domain(c, field: NumberField | None):
+def _in_domain(c: Any, field: NumberField | None) -> Any:
     from sympy import QQ
 
     if isinstance(c, NumberFieldElement) and c.field == field:
@@ -233,7 +239,7 @@ def _in_domain(c, field: NumberField | None):
     return field.domain(rational) if field else rational
 
 
-def _split_irreducible(coefficients: list, field: NumberField | None) -> list[list]:
+def _split_irreducible(coefficients: list[Any], field: NumberField | None) -> list[Quadratic]:
     """Quadratic factors of an irreducible monic polynomial."""
     degree = len(coefficients) - 1
     if degree == 1:
@@ -248,11 +254,11 @@ def _split_irreducible(coefficients: list, field: NumberField | None) -> list[li
     )
 
 
-def _out_of_domain(c, field: NumberField | None):
+def _out_of_domain(c: Any, field: NumberField | None) -> NumberFieldElement | Fraction:
     return NumberFieldElement(field, c) if field else Fraction(int(c.numerator), int(c.denominator))
 
 
-def _split_quartic(c3, c2, c1, c0) -> list[list]:
+def _split_quartic(c3: Fraction, c2: Fraction, c1: Fraction, c0: Fraction) -> list[Quadratic]:
     """The two real factors of an irreducible quartic, over the field of its largest real sum of two roots.
 
     With the cubic term removed the quartic t⁴ + pt² + qt + r is (t² + at + b)(t² − at + c), where a is a root of
@@ -265,13 +271,13 @@ def _split_quartic(c3, c2, c1, c0) -> list[list]:
     a = _largest_real_root([1, 0, 2 * p, 0, p**2 - 4 * r, 0, -(q**2)])
     if a == 0:  # then q = 0, and both pairs of roots are purely imaginary
         root = square_root(p**2 - 4 * r)
-        linear, constants = (0, 0), ((p - root) / 2, (p + root) / 2)
+        constants = (p - root) / 2, (p + root) / 2
     else:
-        linear, constants = (a, -a), ((p + a * a - q / a) / 2, (p + a * a + q / a) / 2)
-    return [[1, 2 * s + a, s * s + a * s + b] for a, b in zip(linear, constants, strict=True)]
+        constants = (p + a * a - q / a) / 2, (p + a * a + q / a) / 2
+    return [[1, 2 * s + a, s * s + a * s + b] for a, b in zip((a, -a), constants, strict=True)]
 
 
-def _largest_real_root(coefficients: list):
+def _largest_real_root(coefficients: Sequence[int | Fraction]) -> NumberFieldElement | Fraction:
     from sympy import CRootOf, Poly, Symbol
 
     polynomial = Poly([_in_domain(c, None) for c in coefficients], Symbol("a"), domain="QQ")
@@ -280,7 +286,7 @@ def _largest_real_root(coefficients: list):
     return _out_of_domain_root(largest)
 
 
-def _out_of_domain_root(root):
+def _out_of_domain_root(root: Any) -> NumberFieldElement | Fraction:
     if root.is_Rational:
         return _out_of_domain(root, None)
     return NumberField(root).generator
@@ -376,7 +382,9 @@ def _checked_order(order: Sequence[int], degree: int) -> tuple[int, ...]:
     return numbers
 
 
-def _factors(C: MotionPolynomial, orders, quadratics, bad: np.ndarray, degenerate: Degenerate) -> list[DualQuaternion]:
+def _factors(
+    C: MotionPolynomial, orders: Orders, quadratics: np.ndarray | None, bad: np.ndarray, degenerate: Degenerate
+) -> list[DualQuaternion]:
     """The factors for several orders at once, checked; orders on the last axis, NaN in the bad rows."""
     if all(is_exact(c.components) for c in C.coefficients) and (quadratics is None or is_exact(quadratics)):
         factors, faults = factored(C, orders, quadratics)
@@ -409,7 +417,7 @@ class Centred(NamedTuple):
             [np.ones(np.shape(b + centre)), (2 * centre + b) / unit, (centre**2 + b * centre + c) / unit**2], axis=-1
         )
 
-    def outward(self, factors) -> list[DualQuaternion]:
+    def outward(self, factors: Sequence[DualQuaternion]) -> list[DualQuaternion]:
         """Linear factors in u as such in t."""
         return [h * self.unit[..., None] + self.centre[..., None] for h in factors]
 
@@ -427,7 +435,9 @@ def centred(C: MotionPolynomial) -> Centred:
         return Centred(MotionPolynomial.from_coefficients(coefficients), np.asarray(centre), unit)
 
 
-def factored(C: MotionPolynomial, orders, quadratics: np.ndarray | None = None) -> tuple[list[DualQuaternion], Array]:
+def factored(
+    C: MotionPolynomial, orders: Orders, quadratics: np.ndarray | None = None
+) -> tuple[list[DualQuaternion], Array]:
     """The factors of a monic polynomial for several orders, on the last axis, and the fault of each row.
 
     In floats the roots should be about zero and of size about one, see :func:`centred`.
@@ -462,7 +472,7 @@ def split_motion(C: MotionPolynomial) -> tuple[np.ndarray, np.ndarray]:
         roots = eigenvalue_roots(as_float(C.norm_polynomial()))
         value, slope = _value_and_slope(C, roots)
         roots = _stepped(roots, (value * value).sum(axis=0) / (2 * (value * slope).sum(axis=0)))
-        return quadratics_with(in_order(roots)), (roots.imag <= 0).any(axis=-1)
+        return quadratics_with(in_order(roots)), np.any(roots.imag <= 0, axis=-1)
 
 
 def _value_and_slope(C: MotionPolynomial, t: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -477,17 +487,18 @@ def _value_and_slope(C: MotionPolynomial, t: np.ndarray) -> tuple[np.ndarray, np
     return value, slope
 
 
-def factor_in_orders(C: MotionPolynomial, quadratics: np.ndarray, orders) -> list[DualQuaternion]:
+def factor_in_orders(C: MotionPolynomial, quadratics: np.ndarray, orders: Orders) -> list[DualQuaternion]:
     """The factors h_1, …, h_n for several orders at once, each of shape (..., len(orders)), unchecked."""
     factors, least = divided_off(C, quadratics, orders)
     report_faults((np.asarray(least) == 0).any(axis=-1) * FactorFault.REAL_FACTOR, FactorFault, "raise")
     return factors
 
 
-def divided_off(C: MotionPolynomial, quadratics: np.ndarray, orders) -> tuple[list[DualQuaternion], np.ndarray]:
+def divided_off(C: MotionPolynomial, quadratics: np.ndarray, orders: Orders) -> tuple[list[DualQuaternion], np.ndarray]:
     """The factors for several orders, divided off from the right, and how far the least remainder is from zero."""
     rest = [c[..., None] for c in C.coefficients]
-    factors, least = [], np.full(len(orders), np.inf)
+    factors: list[DualQuaternion] = []
+    least = np.full(len(orders), np.inf)
     for place in range(C.degree - 1, 0, -1):
         numbers = [order[place] for order in orders]
         h, size = _right_root(rest, quadratics[..., numbers, :])
@@ -496,7 +507,7 @@ def divided_off(C: MotionPolynomial, quadratics: np.ndarray, orders) -> tuple[li
     return [-rest[1] * np.ones(len(orders), dtype=int), *factors], least
 
 
-def _right_root(coefficients, M: np.ndarray) -> tuple[DualQuaternion, np.ndarray]:
+def _right_root(coefficients: Sequence[DualQuaternion], M: np.ndarray) -> tuple[DualQuaternion, np.ndarray]:
     """The h for which t − h divides the polynomial from the right and (t − h)(t − h̄) = M.
 
     The remainder modulo M is r1 t + r0, and h = −r1⁻¹ r0.  The second number is how large r1 is in this, at most 1.
@@ -512,7 +523,9 @@ def _right_root(coefficients, M: np.ndarray) -> tuple[DualQuaternion, np.ndarray
     return h, np.where(none, 0.0, np.sqrt(square / (1 + square + null_form(r0, r0))))
 
 
-def divide_by_quadratic(coefficients, M: np.ndarray) -> tuple[list, list]:
+def divide_by_quadratic(
+    coefficients: Sequence[DualQuaternion], M: np.ndarray
+) -> tuple[list[DualQuaternion], list[DualQuaternion]]:
     """Quotient and remainder (two coefficients) of a polynomial divided by t² + bt + c, M = (1, b, c)."""
     rest, b, c = list(coefficients), M[..., 1], M[..., 2]
     for n in range(len(rest) - 2):
@@ -521,7 +534,7 @@ def divide_by_quadratic(coefficients, M: np.ndarray) -> tuple[list, list]:
     return rest[:-2], rest[-2:]
 
 
-def _divide_off(coefficients, h: DualQuaternion) -> list[DualQuaternion]:
+def _divide_off(coefficients: Sequence[DualQuaternion], h: DualQuaternion) -> list[DualQuaternion]:
     """The quotient of a polynomial by t − h from the right, where there is no remainder."""
     quotient = [coefficients[0]]
     for c in coefficients[1:-1]:
@@ -538,7 +551,7 @@ def product_of(factors: Sequence[DualQuaternion]) -> list[DualQuaternion]:
     return product
 
 
-def residual(coefficients, factors) -> np.ndarray:
+def residual(coefficients: Sequence[DualQuaternion], factors: Sequence[DualQuaternion]) -> np.ndarray:
     """How far the product of factors is from a polynomial, relative to the numbers that are added; 0 or ∞ if exact.
 
     Each coefficient is compared with that of Π(t + |h|), dual parts with the longest dual part besides.
@@ -561,7 +574,9 @@ def residual(coefficients, factors) -> np.ndarray:
     )
 
 
-def _repaired(C: MotionPolynomial, factors, missing: np.ndarray) -> tuple[list[DualQuaternion], np.ndarray]:
+def _repaired(
+    C: MotionPolynomial, factors: list[DualQuaternion], missing: np.ndarray
+) -> tuple[list[DualQuaternion], np.ndarray]:
     """Better factors where the product misses C by more than rounding, and by how much it still does."""
     poor = (missing > POLISH_RTOL) & (missing < 1)
     if not poor.any():
@@ -577,14 +592,14 @@ def _repaired(C: MotionPolynomial, factors, missing: np.ndarray) -> tuple[list[D
     return [with_rows(h, rows, new[gain]) for h, new in zip(factors, better, strict=True)], missing
 
 
-def with_rows(q: DualQuaternion, rows, new: DualQuaternion) -> DualQuaternion:
+def with_rows(q: DualQuaternion, rows: tuple[Any, ...], new: DualQuaternion) -> DualQuaternion:
     """The same dual quaternions but for some rows of the batch."""
     components = q.components.copy()
     components[(slice(None), *rows)] = new.components
     return DualQuaternion.from_components(components)
 
 
-def polished(C: MotionPolynomial, factors, steps: int = 3) -> list[DualQuaternion]:
+def polished(C: MotionPolynomial, factors: Sequence[DualQuaternion], steps: int = 3) -> list[DualQuaternion]:
     """Factors nearer to those of C, in floats: Newton's method for (t − h_1) ⋯ (t − h_n) = C in all coefficients.
 
     Moving h_j by δ changes the product by −(t − h_1) ⋯ δ ⋯ (t − h_n), a sum of left and right multiplications.
@@ -601,7 +616,9 @@ def polished(C: MotionPolynomial, factors, steps: int = 3) -> list[DualQuaternio
     return factors
 
 
-def polished_at(t: Sequence | Array, values: Sequence[DualQuaternion], factors, steps: int = 2) -> list[DualQuaternion]:
+def polished_at(
+    t: Sequence[Any] | Array, values: Sequence[DualQuaternion], factors: Sequence[DualQuaternion], steps: int = 2
+) -> list[DualQuaternion]:
     """Factors whose product is nearer to given values at n parameters: Newton's method as in :func:`polished`.
 
     Where the values are of very different sizes these digits do not drown in the coefficients of the polynomial.
@@ -633,7 +650,7 @@ def solved(matrix: np.ndarray, right: np.ndarray) -> np.ndarray:
         return np.linalg.pinv(matrix, rcond=1e-14) @ right
 
 
-def _derivative(factors, shape: tuple[int, ...]) -> np.ndarray:
+def _derivative(factors: Sequence[DualQuaternion], shape: tuple[int, ...]) -> np.ndarray:
     """The matrix of the change of all coefficients of the product with all factors, shape (..., 8n, 8n)."""
     n = len(factors)
     matrix = np.zeros((*shape, n, 8, n, 8))

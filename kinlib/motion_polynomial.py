@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import reduce
-from operator import add
 from typing import Any, TypeAlias, TypeVar, Union
 
 import numpy as np
@@ -372,10 +371,11 @@ def _polynomial(x: PolynomialLike) -> MotionPolynomial:
 
 def multiply(left: Sequence[DualQuaternion], right: Sequence[DualQuaternion]) -> list[DualQuaternion]:
     """The coefficients of the product of two polynomials, given by theirs, highest power first."""
-    return [
-        reduce(add, [left[n] * right[r - n] for n in range(max(0, r - len(right) + 1), min(r, len(left) - 1) + 1)])
-        for r in range(len(left) + len(right) - 1)
-    ]
+    total: dict[int, DualQuaternion] = {}
+    for n, a in enumerate(left):
+        for m, b in enumerate(right):
+            total[n + m] = total[n + m] + a * b if n + m in total else a * b
+    return [total[n] for n in range(len(total))]
 
 
 def _convolve(form: Callable[[DualQuaternion, DualQuaternion], Array], items: Sequence[DualQuaternion]) -> np.ndarray:
