@@ -11,7 +11,7 @@ from kinlib.three_poses import two_dyads
 __all__ = ["bennett_linkage"]
 
 
-def bennett_linkage(p0, p1, p2, *, degenerate: str = "raise") -> Linkage:
+def bennett_linkage(p0, p1, p2, *, degenerate: Degenerate = "raise") -> Linkage:
     """The Bennett linkage whose coupler visits three poses, at t = ∞, 0 and 1.
 
     Both dyads of Theorem 2 contain the conic through the poses; each gives one factorization of it.

@@ -8,11 +8,11 @@ quadratic equation, and leaves λ a line.  What may be wrong with one of the two
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, reduce
 from itertools import combinations
-from typing import Any
+from typing import Any, TypeAlias
 
 import numpy as np
 
@@ -23,7 +23,7 @@ from kinlib.number_field import square_root
 from kinlib.poses import PoseProblem, as_poses, gap, seen_together
 from kinlib.projective import null_space
 from kinlib.scalar import ROUNDING, as_float, as_scalars, divide, is_exact, is_zero
-from kinlib.typing import Array, Degenerate, PoseLike
+from kinlib.typing import Array, ArrayLike, Degenerate, PoseLike, ScalarLike
 
 __all__: list[str] = []
 
@@ -53,6 +53,12 @@ MISSED = 1e-12
 
 PAIRS = tuple(combinations(range(4), 2))
 FAMILIES = ("first", "second")
+
+Forms: TypeAlias = Mapping[tuple[int, int], Array]
+"""The Study form b_mn of every pair of poses."""
+
+Parameters: TypeAlias = tuple[float, int, int, ScalarLike | Array]
+"""The parameters ∞, 0, 1, t3 of the four poses."""
 
 
 class CubicFault(Fault):
@@ -162,13 +168,14 @@ class CubicRows:
         return gap(reached, DualQuaternion(wanted)).max(axis=tuple(range(1, len(reached.shape))))
 
 
-def _lagrange(scaled: Sequence[DualQuaternion], t: Sequence) -> MotionPolynomial:
+def _lagrange(scaled: Sequence[DualQuaternion], t: Sequence[Array]) -> MotionPolynomial:
     """Π(t − t_j) + Σ q_j Π_{m≠j}(t − t_m) for three nodes."""
     a, b, c = t
     zero = 0 * scaled[0]
     coefficients = [zero + n for n in (1, -(a + b + c), a * b + b * c + c * a, -a * b * c)]
     for q, (a, b) in zip(scaled, ((t[1], t[2]), (t[0], t[2]), (t[0], t[1])), strict=True):
-        for n, factor in enumerate((1, -(a + b), a * b), start=1):
+        factors: Sequence[int | Array] = 1, -(a + b), a * b
+        for n, factor in enumerate(factors, start=1):
             coefficients[n] = coefficients[n] + q * factor
     return MotionPolynomial.from_coefficients(coefficients)
 
@@ -198,7 +205,7 @@ class CubicFamilies:
     """
 
     problem: PoseProblem
-    forms: dict
+    forms: Forms
     t3: Array
     beyond: Array
     weights: tuple[Array, ...]
@@ -258,7 +265,7 @@ class CubicFamilies:
         spread = [self.spread(h, family) for h in factors]
         return [tuple(h[..., n] for h in spread) for n in range(factors[0].shape[-1])]
 
-    def parameters(self, family: int) -> tuple:
+    def parameters(self, family: int) -> Parameters:
         """The parameters of the poses in one family, (∞, 0, 1, t3); NaN for t3 where the family is missing."""
         t3 = self.t3[..., family]
         if not self.shape:
@@ -373,7 +380,7 @@ def rounding(problem: PoseProblem) -> Any:
     return 0 if problem.is_exact else ROUNDING + 64 * problem.noise
 
 
-def products(b: dict) -> tuple:
+def products(b: Forms) -> tuple[Array, Array, Array]:
     """x = b_01 b_23, y = b_02 b_13, z = b_03 b_12."""
     return b[0, 1] * b[2, 3], b[0, 2] * b[1, 3], b[0, 3] * b[1, 2]
 
@@ -383,7 +390,7 @@ def _repeated(q: DualQuaternion, count: int) -> DualQuaternion:
 
 
 def families_of(
-    p0: PoseLike, p1: PoseLike, p2: PoseLike, p3: PoseLike, free: Any, degenerate: Degenerate = "raise"
+    p0: PoseLike, p1: PoseLike, p2: PoseLike, p3: PoseLike, free: ArrayLike, degenerate: Degenerate = "raise"
 ) -> CubicFamilies:
     """Both families of cubics through four poses, for one value of the free parameter."""
     check_degenerate(degenerate)
@@ -406,7 +413,7 @@ def families_of(
     return CubicFamilies(problem, b, t3, beyond, weights, shares, faults, off, np.nonzero(faults == 0))
 
 
-def _checked_free(free: Any) -> Array:
+def _checked_free(free: ArrayLike) -> Array:
     if isinstance(free, DualQuaternion):
         raise TypeError(f"expected a number for the free parameter, got {free!r}")
     free = as_scalars(free)
@@ -415,7 +422,7 @@ def _checked_free(free: Any) -> Array:
     return free
 
 
-def _problem(given: tuple, free: Array, degenerate: Degenerate) -> tuple[PoseProblem, Array]:
+def _problem(given: Sequence[PoseLike], free: Array, degenerate: Degenerate) -> tuple[PoseProblem, Array]:
     """The poses as one problem of the shape of poses and free parameter; in floats if one of them is."""
     problem = seen_together(*given, degenerate=degenerate)
     if problem.is_exact and not is_exact(free):
@@ -437,7 +444,7 @@ def _projected(q: DualQuaternion) -> DualQuaternion:
     return q - eps_times(q) * (study_form(q, q) / 2)
 
 
-def _forms(problem: PoseProblem) -> dict:
+def _forms(problem: PoseProblem) -> Forms:
     """The b_mn; what may be rounding of the given numbers is zero."""
     forms = dict(zip(PAIRS, map(np.asarray, problem.forms), strict=True))
     if problem.is_exact:
@@ -467,7 +474,7 @@ def _root(square: Array) -> Array:
     return np.sqrt(np.maximum(square, 0)) if square.dtype.kind == "f" else np.asarray(_exact_root(square))
 
 
-def _fourth_parameters(b: dict) -> tuple[Array, Array, Array, Array]:
+def _fourth_parameters(b: Forms) -> tuple[Array, Array, Array, Array]:
     """t3 and t3 − 1 of both families, shape (..., 2), the discriminant and the faults of each family.
 
     t3 solves z t² + (x − y − z) t + y = 0, and e = t3 − 1 solves z e² + (x − y + z) e + x = 0, with one discriminant.
@@ -508,7 +515,7 @@ def _finite(values: Array) -> Array:
     return np.isfinite(values) if values.dtype.kind == "f" else np.ones(values.shape, dtype=bool)
 
 
-def _row_faults(problem: PoseProblem, b: dict, discriminant: Array) -> Array:
+def _row_faults(problem: PoseProblem, b: Forms, discriminant: Array) -> Array:
     """What is wrong with both families."""
     zero = {pair: np.asarray(is_zero(value, rtol=0)) for pair, value in b.items()}
     nothing = (zero[0, 1] | zero[2, 3]) & (zero[0, 2] | zero[1, 3]) & (zero[0, 3] | zero[1, 2])
@@ -529,7 +536,7 @@ def _row_faults(problem: PoseProblem, b: dict, discriminant: Array) -> Array:
     )
 
 
-def _dependent(problem: PoseProblem, b: dict, discriminant: Array) -> Array:
+def _dependent(problem: PoseProblem, b: Forms, discriminant: Array) -> Array:
     """Where the four displacements are dependent; then their Gram determinant vanishes, up to rounding."""
     dependent = np.zeros(discriminant.shape, dtype=bool)
     candidates = is_zero(discriminant, 1e-9, sum(v * v for v in products(b)))
@@ -544,7 +551,7 @@ def _dependent(problem: PoseProblem, b: dict, discriminant: Array) -> Array:
     return dependent
 
 
-def _weights(problem: PoseProblem, b: dict, t3: Array, beyond: Array, free: Any) -> tuple[Array, ...]:
+def _weights(problem: PoseProblem, b: Forms, t3: Array, beyond: Array, free: Any) -> tuple[Array, ...]:
     """λ = μ + (base + free) r κ, see ``cubics_through``."""
     b01, b02, b03, b12, b13, b23 = (np.asarray(b[pair])[..., None] for pair in PAIRS)
     kernel = [-divide(b23, beyond), divide(b13, t3), -b12]
@@ -577,11 +584,11 @@ def _squared_distances(t3: Array, beyond: Array) -> list[Array]:
     return [scale + d * d for d in (np.where(near_one, 1, 0), np.where(near_one, 0, 1), np.where(near_one, beyond, t3))]
 
 
-def _cross(a: Sequence, b: Sequence) -> list:
+def _cross(a: Sequence[Array], b: Sequence[Array]) -> list[Array]:
     return [a[(n + 1) % 3] * b[(n + 2) % 3] - a[(n + 2) % 3] * b[(n + 1) % 3] for n in range(3)]
 
 
-def _unit_of_freedom(b: tuple, whole: Array, total: Array) -> Array:
+def _unit_of_freedom(b: Sequence[Array], whole: Array, total: Array) -> Array:
     """The r of ``cubics_through``: with it λ does not depend on frames, unit of length and factors of the poses."""
     b01, b02, b03, b12, b13, b23 = b
     unit, found = np.ones_like(total), np.zeros(total.shape, dtype=bool)
@@ -603,7 +610,7 @@ def _unit_of_freedom(b: tuple, whole: Array, total: Array) -> Array:
     return np.where(found, unit, lengths * leading.astype(int if lengths.dtype == object else float))
 
 
-def _base(special: Sequence, steps: Sequence, balance: Sequence) -> Array:
+def _base(special: Sequence[Array], steps: Sequence[Array], balance: Sequence[Array]) -> Array:
     """The first of 0, 1, −1, 2, −2 at which no pose is nearly missed, or the best of them."""
     numbers = (0, 1, -1, 2, -2)
     shares = []
@@ -613,14 +620,14 @@ def _base(special: Sequence, steps: Sequence, balance: Sequence) -> Array:
     return np.array(numbers)[np.argmax(np.minimum(np.nan_to_num(shares), NEARLY_MISSED**2), axis=0)]
 
 
-def _shares(problem: PoseProblem, t3: Array, beyond: Array, weights: Sequence) -> list[Array]:
+def _shares(problem: PoseProblem, t3: Array, beyond: Array, weights: Sequence[Array]) -> list[Array]:
     """λ_j² p_j p̄_j, weighed on the projective line of t; factors of the poses do not matter to it."""
     balance = zip(weights, problem.others, _squared_distances(t3, beyond), strict=True)
     shares = [divide(w * w * np.asarray(null_form(q, q))[..., None], d) for w, q, d in balance]
     return [1 + 0 * shares[0], *map(np.asarray, shares)]
 
 
-def _misses(shares: Sequence) -> Array:
+def _misses(shares: Sequence[Array]) -> Array:
     """Which pose a cubic misses: the share of the pose against the largest of them."""
     largest = reduce(np.maximum, [_floats(s) for s in shares])
     return first_fault(*((is_zero(s, MISSED**2, largest), fault) for s, fault in zip(shares, MISSES, strict=True)))

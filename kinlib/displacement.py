@@ -240,7 +240,7 @@ def act(q: PoseLike, x: PointLike | Line, *, degenerate: Degenerate = "raise") -
     return np.moveaxis(blockwise(_point_formula, _divisible(q, degenerate), components, rows=3), 0, -1)
 
 
-def _divisible(q: PoseLike, degenerate: str) -> np.ndarray:
+def _divisible(q: PoseLike, degenerate: Degenerate) -> np.ndarray:
     """Components of a pose, whose primal part must not vanish; whole numbers as fractions."""
     check_degenerate(degenerate)
     q = displacement(q)
@@ -259,7 +259,7 @@ def _divisible(q: PoseLike, degenerate: str) -> np.ndarray:
 EXCEPTIONAL = "the point lies in the exceptional three-space (primal part zero): it moves nothing"
 
 
-def _refuse(where: Any, message: str, degenerate: str) -> Any:
+def _refuse(where: Any, message: str, degenerate: Degenerate) -> Any:
     """Raise an error about rows, or say again where they are."""
     if degenerate == "raise" and np.any(where):
         rows = rows_where(where)
@@ -355,7 +355,7 @@ def _shifted(v: np.ndarray, p: DualQuaternion) -> DualQuaternion:
     return p + wrap(np.concatenate([zero, zero, zero, zero, zero, half])) * p
 
 
-def _no_displacement(matrix: np.ndarray, rtol: float, degenerate: str) -> np.ndarray:
+def _no_displacement(matrix: np.ndarray, rtol: float, degenerate: Degenerate) -> np.ndarray:
     """Where a matrix is no displacement; an error about it, unless NaN is asked for."""
     R, last = matrix[..., :3, :3], matrix[..., 3, :] - np.array([0, 0, 0, 1])
     difference = R @ np.swapaxes(R, -1, -2) - np.eye(3, dtype=int)

@@ -117,7 +117,7 @@ class Dyad:
         n1, n2, c = null_form(self.h1, self.h1), null_form(self.h2, self.h2), null_form(self.h1, self.h2)
         return is_zero(n1 * n2 - c * c, n1 * n2, 1e-28)
 
-    def parameters(self, pose: PoseLike, *, rtol: float = RTOL, degenerate: str = "raise") -> tuple:
+    def parameters(self, pose: PoseLike, *, rtol: float = RTOL, degenerate: Degenerate = "raise") -> tuple:
         """The t1, t2 with R(t1, t2) = pose, for a pose that the dyad reaches; ∞ where a joint is at home.
 
         Parameters
@@ -180,7 +180,7 @@ class Dyad:
         return np.where(apart == 0, 0.0, np.maximum(gap(_floats(found), unit(_floats(wanted))), 2 * RTOL))
 
     @staticmethod
-    def _unreached(off: np.ndarray, rtol: np.ndarray, degenerate: str) -> np.ndarray:
+    def _unreached(off: np.ndarray, rtol: np.ndarray, degenerate: Degenerate) -> np.ndarray:
         check_degenerate(degenerate)
         bad = np.asarray(~(off <= rtol))
         if degenerate == "raise" and bad.any():
@@ -342,7 +342,7 @@ class TwoRSpace:
         return NullQuadrilateral(*(self.dyad(s1 * t1, s2 * t2) for s1, s2 in signs))
 
 
-def recognise(basis, *, rtol: float = RTOL, degenerate: str = "raise") -> Dyad:
+def recognise(basis, *, rtol: float = RTOL, degenerate: Degenerate = "raise") -> Dyad:
     """Theorem 1 as a procedure: the 2R dyad of a 3-space, or the condition that fails.
 
     A real 3-space P through [1] that misses E is a 2R space exactly if A = N⁻¹S satisfies
@@ -385,7 +385,7 @@ def recognise(basis, *, rtol: float = RTOL, degenerate: str = "raise") -> Dyad:
     return _of_many_spaces(points, rtol, degenerate)
 
 
-def _of_many_spaces(points: DualQuaternion, rtol: float, degenerate: str) -> Dyad:
+def _of_many_spaces(points: DualQuaternion, rtol: float, degenerate: Degenerate) -> Dyad:
     """The dyads of a batch of 3-spaces, one after the other."""
     rows, found, lost = points.coeffs.reshape(-1, 4, 8), [], {}
     for n, row in enumerate(rows):

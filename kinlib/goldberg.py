@@ -10,7 +10,7 @@ __all__ = ["goldberg_linkages"]
 PLACES = tuple(f"dyad {number}, {side} joint turning twice: " for number in (1, 2) for side in ("base", "moving"))
 
 
-def goldberg_linkages(p0, p1, p2, z, *, degenerate: str = "raise") -> tuple[Linkage, ...]:
+def goldberg_linkages(p0, p1, p2, z, *, degenerate: Degenerate = "raise") -> tuple[Linkage, ...]:
     """The eight 5R linkages through three poses for a complex number z.
 
     Parameters

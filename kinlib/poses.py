@@ -27,11 +27,11 @@ from kinlib.dual_quaternion import (
 )
 from kinlib.errors import DegenerateError, check_degenerate, named_rows
 from kinlib.scalar import ROUNDING, RTOL, as_float, divide, is_exact, is_zero
-
+from kinlib.typing import Array, ArrayLike, Degenerate, PoseLike, RigidTransformLike
 __all__ = ["as_pose"]
 
 
-def as_pose(x, *, rtol: float = RTOL) -> DualQuaternion:
+def as_pose(x: PoseLike, *, rtol: float = RTOL) -> DualQuaternion:
     """A pose given as dual quaternion, 4×4 matrix or SciPy ``RigidTransform``, checked.
 
     Parameters
@@ -65,7 +65,7 @@ give a larger rtol= for rounded numbers, or take study_projection
     return as_poses(x, rtol=rtol)[0]
 
 
-def as_poses(*given, rtol: float = RTOL, degenerate: str = "raise") -> list[DualQuaternion]:
+def as_poses(*given: PoseLike, rtol: float = RTOL, degenerate: Degenerate = "raise") -> list[DualQuaternion]:
     """Poses of one problem, judged in each other's company; rows that are none become NaN if asked."""
     check_degenerate(degenerate)
     points = [_point(x, rtol) for x in given]
@@ -77,23 +77,23 @@ def as_poses(*given, rtol: float = RTOL, degenerate: str = "raise") -> list[Dual
         ]
 
 
-def _point(x, rtol: float) -> DualQuaternion:
-    if hasattr(x, "as_matrix"):
-        x = x.as_matrix()
+def _point(x: PoseLike, rtol: float) -> DualQuaternion:
     if isinstance(x, DualQuaternion):
         return x
-    if np.ndim(x) < 2:
+    if isinstance(x, RigidTransformLike):
+        x = x.as_matrix()
+    if np.asarray(x).ndim < 2:
         raise TypeError(f"expected a pose: a DualQuaternion, a 4×4 matrix or a RigidTransform, got {x!r}")
     return from_matrix(x, rtol=rtol)
 
 
-def _lever(q: DualQuaternion):
+def _lever(q: DualQuaternion) -> Array:
     """|d| / |p|, in floats; half of how far the origin is moved."""
     p, d = (as_float(np.sqrt(as_float((x * x).sum(axis=0)))) for x in (q.components[:4], q.components[4:]))
     return d / np.where(p > 0, p, np.nan)
 
 
-def _checked(q: DualQuaternion, length, rtol: float, name: str, degenerate: str) -> DualQuaternion:
+def _checked(q: DualQuaternion, length: ArrayLike, rtol: float, name: str, degenerate: Degenerate) -> DualQuaternion:
     """The pose that a point is meant to be."""
     if q.components.dtype.kind == "c":
         raise ValueError(f"{name}expected real coefficients, got complex ones: a pose is a real point")
@@ -114,18 +114,18 @@ def _checked(q: DualQuaternion, length, rtol: float, name: str, degenerate: str)
     return masked(projected, np.logical_or.reduce(bad))
 
 
-def _over_other_axes(length, shape: tuple[int, ...]) -> np.ndarray:
+def _over_other_axes(length: ArrayLike, shape: tuple[int, ...]) -> np.ndarray:
     """The largest of the lengths that one row meets where batches of several shapes are combined."""
-    length = np.asarray(length)
-    length = length.max(axis=tuple(range(length.ndim - len(shape))), initial=0)
-    single = tuple(n for n, size in enumerate(shape) if size == 1 and length.shape[n] != 1)
-    return length.max(axis=single, keepdims=True, initial=0)
+    lengths = np.asarray(length)
+    lengths = lengths.max(axis=tuple(range(lengths.ndim - len(shape))), initial=0)
+    single = tuple(n for n, size in enumerate(shape) if size == 1 and lengths.shape[n] != 1)
+    return lengths.max(axis=single, keepdims=True, initial=0)
 
 
 EXCEPTIONAL = "the point lies in the exceptional three-space: its primal part is zero, so it is no pose"
 
 
-def _off_the_quadric(off, scale) -> str:
+def _off_the_quadric(off: Array, scale: Array) -> str:
     worst = np.nanmax(np.where(scale > 0, off / np.where(scale > 0, scale, 1), 0), initial=0)
     return (
         f"expected a point of the Study quadric, p d̄ + d p̄ = 0; here it is {worst:.2g} times |p||d|: "
@@ -133,7 +133,9 @@ def _off_the_quadric(off, scale) -> str:
     )
 
 
-def _refused(where, error, name: str, message: Callable[[], str], degenerate: str):
+def _refused(
+    where: Array, error: type[ValueError], name: str, message: Callable[[], str], degenerate: Degenerate
+) -> Array:
     if degenerate == "raise" and np.any(where):
         raise error(f"{named_rows(np.flatnonzero(where) if np.ndim(where) else [])}{name}{message()}")
     return where
@@ -149,7 +151,7 @@ def _checked_exactly(q: DualQuaternion, name: str) -> DualQuaternion:
     return q
 
 
-def masked(q: DualQuaternion, rows) -> DualQuaternion:
+def masked(q: DualQuaternion, rows: Array) -> DualQuaternion:
     """NaN in place of the given rows."""
     return DualQuaternion(np.where(np.asarray(rows)[..., None], np.nan, as_float(q.coeffs))) if np.any(rows) else q
 
@@ -185,7 +187,7 @@ class PoseProblem:
         return *self.others, *(between if self.is_exact else map(_on_quadric, between))
 
     @cached_property
-    def forms(self) -> tuple:
+    def forms(self) -> tuple[Array, ...]:
         """The Study forms b(p_m, p_n), in the order of the steps: their dual scalar parts."""
         return tuple(step.components[4] for step in self.steps)
 
@@ -203,7 +205,7 @@ class PoseProblem:
         return is_exact(self.home.components)
 
 
-def seen_together(*given, degenerate: str = "raise", rtol: float = RTOL) -> PoseProblem:
+def seen_together(*given: PoseLike, degenerate: Degenerate = "raise", rtol: float = RTOL) -> PoseProblem:
     """The poses as one problem; batches are broadcast against each other."""
     poses = as_poses(*given, rtol=rtol, degenerate=degenerate)
     exact = all(is_exact(q.components) for q in poses)
@@ -221,8 +223,8 @@ def seen_together(*given, degenerate: str = "raise", rtol: float = RTOL) -> Pose
         centred = [moved_origin(q, middle) for q in seen]
         length = _power_of_two(reduce(np.maximum, [np.abs(q.components[4:]).max(axis=0) for q in centred]))
         lever = reduce(np.maximum, [_lever(q) for q in poses])
-        others = tuple(_on_quadric(stretched(q, 1 / length)) for q in centred)
-        return PoseProblem(home, others, middle, length, np.finfo(float).eps * lever / length)
+        scaled = tuple(_on_quadric(stretched(q, 1 / length)) for q in centred)
+        return PoseProblem(home, scaled, middle, length, np.finfo(float).eps * lever / length)
 
 
 def _on_quadric(q: DualQuaternion) -> DualQuaternion:
@@ -249,7 +251,7 @@ def moved_origin(q: DualQuaternion, origin: np.ndarray) -> DualQuaternion:
     return wrap(np.stack(np.broadcast_arrays(p0, p1, p2, p3, d0, *moment)))
 
 
-def stretched(q: DualQuaternion, factor) -> DualQuaternion:
+def stretched(q: DualQuaternion, factor: Array) -> DualQuaternion:
     """All lengths multiplied by a factor, shape (...); batches broadcast."""
     missing = max(np.ndim(factor) - len(q.shape), 0)
     components = q.components.reshape(8, *(1,) * missing, *q.shape)
@@ -307,7 +309,7 @@ def _power_of_two(length: np.ndarray) -> np.ndarray:
     return np.where(np.isfinite(length) & (length > 0), np.ldexp(1.0, np.frexp(np.nan_to_num(length))[1]), 1.0)
 
 
-def gap(reached: DualQuaternion, wanted: DualQuaternion, *, length=1.0) -> np.ndarray:
+def gap(reached: DualQuaternion, wanted: DualQuaternion, *, length: Array | float = 1.0) -> np.ndarray:
     """How far one displacement is from another, in half-angles and in parts of a length; 0 or infinite if exact.
 
     Both may be any representatives: it is the vector part of their quotient, divided by its scalar part.

@@ -46,7 +46,7 @@ TIE = 1e-9
 ALMOST = "the answer would miss the poses; they are near a place where there is none: "
 
 
-def dyads_through_poses(p0, p1, p2, *, method: str | None = None, degenerate: str = "raise") -> tuple[Dyad, Dyad]:
+def dyads_through_poses(p0, p1, p2, *, method: str | None = None, degenerate: Degenerate = "raise") -> tuple[Dyad, Dyad]:
     """The two 2R dyads through three poses (Theorem 2).
 
     Each joint of a dyad turns through the poses in the sense of its half-turn, from p0 over p1 to p2 (the conic has
@@ -152,7 +152,7 @@ def _about(k: DualQuaternion, h: DualQuaternion) -> tuple:
     return k.scalar_part, divide(null_form(k, h), null_form(h, h))
 
 
-def two_dyads(problem: PoseProblem, degenerate: str, method: str | None = None, *, tangent: bool = False) -> TwoDyads:
+def two_dyads(problem: PoseProblem, degenerate: Degenerate, method: str | None = None, *, tangent: bool = False) -> TwoDyads:
     """Theorem 2 for a problem: checked against its poses, improved where rounding asks for it, else refused.
 
     With ``tangent`` the dyads of tangent planes are wanted too, where there is no conic.
@@ -184,7 +184,7 @@ def _exact_dyads(problem: PoseProblem) -> TwoDyads:
     return both
 
 
-def _float_dyads(problem: PoseProblem, faults, method: str, degenerate: str, tangent: bool) -> TwoDyads:
+def _float_dyads(problem: PoseProblem, faults, method: str, degenerate: Degenerate, tangent: bool) -> TwoDyads:
     """By one of the routes, and by all that repairs what rounding does to it; faulty rows hold a regular problem."""
     with np.errstate(all="ignore"):
         plane = spectrum_of(*problem.others)
@@ -211,7 +211,7 @@ def _float_dyads(problem: PoseProblem, faults, method: str, degenerate: str, tan
     return TwoDyads(masked(h1, bad), masked(h2, bad), *(masked(k, bad | no_conic[..., None]) for k in (k1, k2)), start)
 
 
-def _report_missed(problem: PoseProblem, lost: np.ndarray, degenerate: str) -> None:
+def _report_missed(problem: PoseProblem, lost: np.ndarray, degenerate: Degenerate) -> None:
     """Say what the rows are near to in which nothing was found that meets the poses."""
     if np.any(lost):
         nearest, how_near = nearest_fault(problem)

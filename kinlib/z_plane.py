@@ -190,7 +190,7 @@ class ZPlane:
             return faults
         return ZFault(int(faults)) if faults else None
 
-    def chains(self, z, *, degenerate: str = "raise") -> tuple[tuple[DualQuaternion, ...], ...]:
+    def chains(self, z, *, degenerate: Degenerate = "raise") -> tuple[tuple[DualQuaternion, ...], ...]:
         """The three chains of linear factors that share one cubic: the dyad's, and the two that close it to a 5R.
 
         Raises
@@ -201,7 +201,7 @@ class ZPlane:
         chains, bad = self._checked_chains(self._number(z), degenerate, "")
         return tuple(self._outward(chain, bad) for chain in chains)
 
-    def linkages(self, z, *, degenerate: str = "raise", place: str = "") -> tuple[Linkage, Linkage]:
+    def linkages(self, z, *, degenerate: Degenerate = "raise", place: str = "") -> tuple[Linkage, Linkage]:
         """The two 5R linkages for a point z, whose couplers visit the poses."""
         chains, bad = self._checked_chains(self._number(z), degenerate, place)
         first, *partners = (self._outward(chain, bad) for chain in chains)
@@ -269,7 +269,7 @@ class ZPlane:
     def _size(self, z: PlaneNumber):
         return z.length() + sum(abs(as_float(s_b)) for _, s_b in self.stops)
 
-    def _checked_chains(self, z1: PlaneNumber, degenerate: str, place: str) -> tuple[list[tuple], np.ndarray]:
+    def _checked_chains(self, z1: PlaneNumber, degenerate: Degenerate, place: str) -> tuple[list[tuple], np.ndarray]:
         """The chains in the problem's frame, and the rows for which there are none."""
         check_degenerate(degenerate)
         with np.errstate(invalid="ignore", divide="ignore", over="ignore"):
@@ -346,7 +346,7 @@ class ZPlane:
         return 1 + np.argmin(measured, axis=0), measured.min(axis=0)
 
 
-def z_planes(p0, p1, p2, *, degenerate: str = "raise") -> tuple[ZPlane, ZPlane, ZPlane, ZPlane]:
+def z_planes(p0, p1, p2, *, degenerate: Degenerate = "raise") -> tuple[ZPlane, ZPlane, ZPlane, ZPlane]:
     """The four planes of z of three poses: of each of the two dyads, with its base joint and with its moving joint.
 
     Parameters
