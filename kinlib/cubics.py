@@ -23,7 +23,7 @@ from kinlib.number_field import square_root
 from kinlib.poses import PoseProblem, as_poses, gap, seen_together
 from kinlib.projective import null_space
 from kinlib.scalar import ROUNDING, as_float, as_scalars, divide, is_exact, is_zero
-from kinlib.typing import Array, ArrayLike, Degenerate, PoseLike, ScalarLike
+from kinlib.typing import Array, ArrayLike, Degenerate, PoseLike, Scalars
 
 __all__: list[str] = []
 
@@ -57,7 +57,7 @@ FAMILIES = ("first", "second")
 Forms: TypeAlias = Mapping[tuple[int, int], Array]
 """The Study form b_mn of every pair of poses."""
 
-Parameters: TypeAlias = tuple[float, int, int, ScalarLike | Array]
+Parameters: TypeAlias = tuple[float, int, int, Scalars]
 """The parameters ∞, 0, 1, t3 of the four poses."""
 
 

@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import DTypeLike
 
-from kinlib.scalar import ArrayLike, as_float, as_scalars, as_text, divide, is_scalar, is_zero, promote, size
+from kinlib.scalar import ArrayLike, Scalars, as_float, as_scalars, as_text, divide, is_scalar, is_zero, promote, size
 
 __all__ = [
     "DualQuaternion", "dual_size", "eps", "eps_times", "i", "j", "k", "null_form", "one", "primal_size", "study_form",
@@ -318,7 +318,7 @@ class DualQuaternion:
         return " + ".join(terms).replace("+ -", "- ") or "0"
 
 
-def study_form(x: DualQuaternion, y: DualQuaternion) -> Any:
+def study_form(x: DualQuaternion, y: DualQuaternion) -> Scalars:
     """The Study form b(x, y), shape (...); batches broadcast.
 
     Examples
@@ -330,7 +330,7 @@ def study_form(x: DualQuaternion, y: DualQuaternion) -> Any:
     return p0 * e0 + p1 * e1 + p2 * e2 + p3 * e3 + d0 * r0 + d1 * r1 + d2 * r2 + d3 * r3
 
 
-def null_form(x: DualQuaternion, y: DualQuaternion) -> Any:
+def null_form(x: DualQuaternion, y: DualQuaternion) -> Scalars:
     """The null form ⟨x, y⟩ of the primal parts, shape (...); batches broadcast.
 
     Examples
@@ -348,7 +348,7 @@ def eps_times(q: DualQuaternion) -> DualQuaternion:
     return wrap(np.concatenate((np.zeros_like(p), p)))
 
 
-def primal_size(q: DualQuaternion) -> Any:
+def primal_size(q: DualQuaternion) -> Scalars:
     """How large the primal part is: the largest absolute value of its four coefficients, a float, shape (...).
 
     Examples
@@ -359,7 +359,7 @@ def primal_size(q: DualQuaternion) -> Any:
     return _size(as_dual_quaternion(q).components[:4])
 
 
-def dual_size(q: DualQuaternion) -> Any:
+def dual_size(q: DualQuaternion) -> Scalars:
     """How large the dual part is: the largest absolute value of its four coefficients, a float, shape (...)."""
     return _size(as_dual_quaternion(q).components[4:])
 
@@ -371,7 +371,7 @@ def _components_of(x: DualQuaternion, y: DualQuaternion) -> tuple[np.ndarray, np
         return as_dual_quaternion(x).components, as_dual_quaternion(y).components
 
 
-def _size(components: np.ndarray) -> Any:
+def _size(components: np.ndarray) -> Scalars:
     return size(components, 0 if components.ndim > 1 else None)
 
 

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import NamedTuple
+from typing import NamedTuple, TypeAlias
 
 import numpy as np
 
 from kinlib.displacement import unit
 from kinlib.dual_quaternion import DualQuaternion, dual_size, null_form, one, primal_size, study_form
-from kinlib.errors import DegenerateError, check_degenerate, named_rows
+from kinlib.errors import DegenerateError, check_degenerate, named_rows, rows_where
 from kinlib.line import Line
 from kinlib.number_field import square_root
 from kinlib.poses import as_pose, gap, middle_of, moved_origin, stretched
@@ -17,7 +17,7 @@ from kinlib.projective import Subspace, coordinates_of, join, null_space
 from kinlib.quadric import Quadric, binary_roots
 from kinlib.scalar import ROUNDING, RTOL, as_float, divide, imaginary_unit, is_exact, is_infinite, is_zero, size
 from kinlib.study import NULL_CONE, STUDY_QUADRIC
-from kinlib.typing import PoseLike
+from kinlib.typing import Array, ArrayLike, Degenerate, DualQuaternionLike, PoseLike, Scalars
 
 __all__ = ["Dyad", "NullQuadrilateral", "TwoRSpace", "primal_coordinates", "recognise"]
 
@@ -64,7 +64,7 @@ class Dyad:
     h2: DualQuaternion
     home: DualQuaternion = field(default_factory=lambda: one)
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         for name, h in (("h1", self.h1), ("h2", self.h2)):
             if not isinstance(h, DualQuaternion):
                 raise TypeError(f"expected {name} as a DualQuaternion, the half-turn about an axis, got {h!r}")
@@ -74,7 +74,7 @@ class Dyad:
             raise DegenerateError("h1 and h2 commute, so their axes agree: a 2R dyad needs two different axes")
         object.__setattr__(self, "home", _pose_or_nan(self.home))
 
-    def __call__(self, t1, t2) -> DualQuaternion:
+    def __call__(self, t1: ArrayLike, t2: ArrayLike) -> DualQuaternion:
         """The pose R(t1, t2) of equation (2); t = ∞ is no rotation."""
         return _factor(t1, self.h1) * _factor(t2, self.h2) * self.home
 
@@ -97,7 +97,7 @@ class Dyad:
         """The 2R space of the dyad."""
         return TwoRSpace(self)
 
-    def coordinates(self, point: PoseLike) -> tuple:
+    def coordinates(self, point: PoseLike) -> tuple[Scalars, Scalars, Scalars, Scalars]:
         """The x0, x1, x2, x3 with primal part of the point = that of x0 + x1 h1 + x2 h2 + x3 h1h2 (times home).
 
         Only the orientation counts: there is one point of the 2R space with it, and where the given point lies is not
@@ -112,12 +112,14 @@ class Dyad:
         q = point if isinstance(point, DualQuaternion) else as_pose(point)
         return primal_coordinates(q * self.home.inverse(), self.h1, self.h2)
 
-    def is_parallel(self):
+    def is_parallel(self) -> bool | Array:
         """Whether the two axes are parallel, so that the 2R space meets the exceptional three-space."""
         n1, n2, c = null_form(self.h1, self.h1), null_form(self.h2, self.h2), null_form(self.h1, self.h2)
         return is_zero(n1 * n2 - c * c, n1 * n2, 1e-28)
 
-    def parameters(self, pose: PoseLike, *, rtol: float = RTOL, degenerate: Degenerate = "raise") -> tuple:
+    def parameters(
+        self, pose: PoseLike, *, rtol: float = RTOL, degenerate: Degenerate = "raise"
+    ) -> tuple[Scalars, Scalars]:
         """The t1, t2 with R(t1, t2) = pose, for a pose that the dyad reaches; ∞ where a joint is at home.
 
         Parameters
@@ -184,16 +186,18 @@ class Dyad:
         check_degenerate(degenerate)
         bad = np.asarray(~(off <= rtol))
         if degenerate == "raise" and bad.any():
-            rows = np.flatnonzero(bad) if bad.ndim else []
+            rows = rows_where(bad)
             raise DegenerateError(
                 f"{named_rows(rows)}the dyad does not reach the pose: it passes by at {np.max(off):.2g} "
                 "(half-angles, own lengths)",
-                rows=tuple(map(int, rows)),
+                rows=rows,
             )
         return bad
 
 
-def primal_coordinates(x: DualQuaternion, h1: DualQuaternion, h2: DualQuaternion) -> tuple:
+def primal_coordinates(
+    x: DualQuaternion, h1: DualQuaternion, h2: DualQuaternion
+) -> tuple[Scalars, Scalars, Scalars, Scalars]:
     """The coordinates of the primal part of x in the basis 1, h1, h2, h1h2; its Gram matrix splits into 2×2 blocks."""
     n1, n2, c = null_form(h1, h1), null_form(h2, h2), null_form(h1, h2)
     area = n1 * n2 - c * c
@@ -210,7 +214,11 @@ def _floats(q: DualQuaternion) -> DualQuaternion:
     return DualQuaternion(as_float(q.coeffs))
 
 
-def homogeneous_parameters(q: DualQuaternion, h1: DualQuaternion, h2: DualQuaternion) -> tuple[tuple, tuple]:
+Ratio: TypeAlias = tuple[Scalars, Scalars]
+"""A parameter a/b as the pair (a, b); b = 0 for ∞."""
+
+
+def homogeneous_parameters(q: DualQuaternion, h1: DualQuaternion, h2: DualQuaternion) -> tuple[Ratio, Ratio]:
     """The parameters t1 = a1/b1, t2 = a2/b2 of the pose q of a dyad, as pairs (a, b).
 
     (t1 + h1) q is a multiple of t2 − h2, and q (t2 + h2) one of t1 − h1.  So modulo 1 and h2 the points q and h1 q are
@@ -225,26 +233,26 @@ def _modulo(q: DualQuaternion, h: DualQuaternion) -> np.ndarray:
     return x - axis * divide((x * axis).sum(axis=0), (axis * axis).sum(axis=0))
 
 
-def _parameter_pair(x: np.ndarray, y: np.ndarray) -> tuple:
+def _parameter_pair(x: np.ndarray, y: np.ndarray) -> Ratio:
     """The (a, b) with a x + b y = 0, from the larger of the two."""
     xx, xy, yy = (x * x).sum(axis=0), (x * y).sum(axis=0), (y * y).sum(axis=0)
     use = ~np.asarray(is_zero(xx, rtol=0)) if is_exact(x) else xx >= yy
     return np.where(use, -xy, -yy)[()], np.where(use, xx, xy)[()]
 
 
-def reached(h1: DualQuaternion, h2: DualQuaternion, turns) -> DualQuaternion:
+def reached(h1: DualQuaternion, h2: DualQuaternion, turns: tuple[Ratio, Ratio]) -> DualQuaternion:
     """A multiple of the pose (t1 − h1)(t2 − h2) for the parameters a/b, given as pairs (a, b)."""
     (a1, b1), (a2, b2) = turns
     return (a1 - h1 * b1) * (a2 - h2 * b2)
 
 
-def _quotient_or_infinity(a, b):
+def _quotient_or_infinity(a: Scalars, b: Scalars) -> Scalars:
     if is_zero(b, abs(a), ROUNDING) if isinstance(b, float) else is_zero(b):
         return np.inf
     return divide(a, b)
 
 
-def _parameter(a, b):
+def _parameter(a: Scalars, b: Scalars) -> Scalars:
     """The quotient a/b; ∞ where b vanishes."""
     values = np.frompyfunc(_quotient_or_infinity, 2, 1)(a, b)
     if np.asarray(a).dtype.kind in "fc":
@@ -252,7 +260,7 @@ def _parameter(a, b):
     return values
 
 
-def _factor(t, h: DualQuaternion) -> DualQuaternion:
+def _factor(t: Scalars, h: DualQuaternion) -> DualQuaternion:
     return one if np.ndim(t) == 0 and is_infinite(t) else t - h
 
 
@@ -267,14 +275,14 @@ def _pose_or_nan(home: PoseLike) -> DualQuaternion:
     return home
 
 
-def _is_half_turn(h: DualQuaternion):
+def _is_half_turn(h: DualQuaternion) -> Array:
     real = is_zero(h.components[[0, 4]], size(h.components, 0), RTOL)
     p, d = size(h.components[1:4], 0), size(h.components[5:], 0)
     on_quadric = is_zero(study_form(h, h), p * d + p * p, RTOL)
     return (np.all(real, axis=0) & on_quadric & (p > 0)) | np.isnan(p)
 
 
-def _commute(h1: DualQuaternion, h2: DualQuaternion):
+def _commute(h1: DualQuaternion, h2: DualQuaternion) -> Array:
     """Whether two half-turns have one axis: parallel directions, and moments in the same ratio."""
     l1, m1, l2, m2 = (x for h in (h1, h2) for x in (h.components[1:4], h.components[5:]))
     minors = [l1[a] * l2[b] - l1[b] * l2[a] for a, b in ((0, 1), (1, 2), (2, 0))]
@@ -306,7 +314,7 @@ class TwoRSpace:
         """The space as a subspace of P⁷."""
         return Subspace(self.points.coeffs)
 
-    def contains(self, pose, *, rtol: float = RTOL):
+    def contains(self, pose: PoseLike, *, rtol: float = RTOL) -> bool | Array:
         """Whether a point of P⁷ lies in the space; batches give one answer an entry."""
         x = pose if isinstance(pose, DualQuaternion) else as_pose(pose)
         if not self.dyad.shape and self.dyad.is_parallel():
@@ -319,7 +327,7 @@ class TwoRSpace:
         close = np.concatenate([is_zero(difference[:4], primal, rtol), is_zero(difference[4:], dual, rtol)])
         return np.all(close, axis=0)[()]
 
-    def __contains__(self, pose) -> bool:
+    def __contains__(self, pose: PoseLike) -> bool:
         return bool(np.all(self.contains(pose)))
 
     def quadric(self) -> Quadric:
@@ -342,7 +350,9 @@ class TwoRSpace:
         return NullQuadrilateral(*(self.dyad(s1 * t1, s2 * t2) for s1, s2 in signs))
 
 
-def recognise(basis, *, rtol: float = RTOL, degenerate: Degenerate = "raise") -> Dyad:
+def recognise(
+    basis: Subspace | TwoRSpace | DualQuaternionLike, *, rtol: float = RTOL, degenerate: Degenerate = "raise"
+) -> Dyad:
     """Theorem 1 as a procedure: the 2R dyad of a 3-space, or the condition that fails.
 
     A real 3-space P through [1] that misses E is a 2R space exactly if A = N⁻¹S satisfies
@@ -421,7 +431,7 @@ def _of_one_space(points: DualQuaternion, rtol: float) -> Dyad:
     return Dyad(*(moved_origin(stretched(h, length), -middle) for h in (dyad.h1, dyad.h2)))
 
 
-def _rows(basis):
+def _rows(basis: Subspace | DualQuaternionLike) -> DualQuaternionLike:
     return basis.basis if isinstance(basis, Subspace) else basis
 
 
@@ -436,16 +446,9 @@ def _recognised(space: Subspace, rtol: float) -> Dyad:
     _check_regular(study, rtol)
     _check_null_quadrilateral(null, study, rtol)
     first, second = _rotations(space)
-    if first * second in _Span(space):
+    if space.contains(first * second):
         return Dyad(first, second)
     return Dyad(second, first)
-
-
-class _Span(NamedTuple):
-    space: Subspace
-
-    def __contains__(self, point) -> bool:
-        return self.space.contains(point)
 
 
 def _three_space(points: DualQuaternion, rtol: float) -> Subspace:

@@ -5,17 +5,25 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from functools import reduce
 from itertools import combinations
-from typing import Any
+from typing import Any, Self, TypeVar
 
 import numpy as np
 
-from kinlib.cubics import CubicFamilies, CubicFault, families_of, no_displacement, rounding, rounding_of_form
+from kinlib.cubics import (
+    CubicFamilies,
+    CubicFault,
+    Parameters,
+    families_of,
+    no_displacement,
+    rounding,
+    rounding_of_form,
+)
 from kinlib.dual_quaternion import DualQuaternion, one, primal_size, study_form
 from kinlib.errors import Fault, first_fault, report_faults
 from kinlib.motion_polynomial import MotionPolynomial
 from kinlib.poses import PoseProblem, as_poses, gap, masked, seen_together
 from kinlib.scalar import divide, is_exact, is_zero
-from kinlib.typing import Array, ArrayLike, Degenerate, PoseLike, ScalarLike
+from kinlib.typing import Array, ArrayLike, Degenerate, PoseLike, ScalarLike, Scalars
 
 __all__ = ["Families", "conic_through", "cubics_through", "fourth_parameters"]
 
@@ -78,7 +86,7 @@ def conic_through(p0: PoseLike, p1: PoseLike, p2: PoseLike, *, degenerate: Degen
     return _without(C, report_faults(faults, ConicFault, degenerate, how_near=missed))
 
 
-def _missed(problem: PoseProblem, C: MotionPolynomial, parameters: Sequence[Any]) -> Array:
+def _missed(problem: PoseProblem, C: MotionPolynomial, parameters: Sequence[Scalars]) -> Array:
     """How far C may be from the second, third, … pose of a problem, beyond what rounding has made of those.
 
     What is seen at t is not all: rounding changes the sum of the c_k t^k as it has changed the c_k.
@@ -92,7 +100,7 @@ def _missed(problem: PoseProblem, C: MotionPolynomial, parameters: Sequence[Any]
     return reduce(np.maximum, off) - 32 * problem.noise
 
 
-def _conic_faults(steps: Sequence[DualQuaternion], limits: Sequence, tolerance: Any) -> np.ndarray:
+def _conic_faults(steps: Sequence[DualQuaternion], limits: Sequence[Array | float], tolerance: Any) -> np.ndarray:
     """What is wrong with three poses, given the displacements between them; 0 if nothing."""
     zero = [np.asarray(is_zero(step.components[4], limit, 1.0)) for step, limit in zip(steps, limits, strict=True)]
     equal = [z & no_displacement(step, tolerance) if z.any() else z for z, step in zip(zero, steps, strict=True)]
@@ -116,7 +124,10 @@ def conic(p0: DualQuaternion, p1: DualQuaternion, p2: DualQuaternion) -> MotionP
     return MotionPolynomial.from_coefficients((p0, q2 - q1 - p0, q1))
 
 
-class Families(tuple):
+Member = TypeVar("Member")
+
+
+class Families(tuple[Member, ...]):
     """What was found in the families of cubics through four poses: a tuple that says what is missing.
 
     Attributes
@@ -134,15 +145,17 @@ class Families(tuple):
     (2, ['4/3', '-1'], ())
     """
 
-    parameters: tuple
+    parameters: tuple[Parameters, ...]
     missing: tuple[str, ...]
 
-    def __new__(cls, items: Iterable = (), parameters: tuple = (), missing: tuple[str, ...] = ()):
+    def __new__(
+        cls, items: Iterable[Member] = (), parameters: tuple[Parameters, ...] = (), missing: tuple[str, ...] = ()
+    ) -> Self:
         self = super().__new__(cls, items)
         self.parameters, self.missing = parameters, missing
         return self
 
-    def __getnewargs__(self):
+    def __getnewargs__(self) -> tuple[tuple[Member, ...], tuple[Parameters, ...], tuple[str, ...]]:
         return tuple(self), self.parameters, self.missing
 
     def __repr__(self) -> str:
@@ -157,7 +170,7 @@ def cubics_through(
     free: ScalarLike | ArrayLike = 0,
     *,
     degenerate: Degenerate = "raise",
-) -> Families:
+) -> Families[MotionPolynomial]:
     """The cubic motions of both families through four poses, for one value of the free parameter.
 
     A cubic has p0 at t = ∞, p1 at 0, p2 at 1 and p3 at a value t_3; the Study condition asks
@@ -214,7 +227,7 @@ def _missed_by_family(families: CubicFamilies, coefficients: Sequence[DualQuater
     return _missed(families.problem, C, [np.asarray(t, dtype=float)[()] for t in families.parameters(n)[1:]])
 
 
-def fourth_parameters(p0: PoseLike, p1: PoseLike, p2: PoseLike, p3: PoseLike) -> tuple:
+def fourth_parameters(p0: PoseLike, p1: PoseLike, p2: PoseLike, p3: PoseLike) -> tuple[Scalars, ...]:
     """The parameter values t_3 of the fourth pose in the real families, when the others are at ∞, 0, 1."""
     families = families_of(p0, p1, p2, p3, 0)
     families = families.less(0, np.nan)

@@ -28,6 +28,7 @@ from kinlib.dual_quaternion import (
 from kinlib.errors import DegenerateError, check_degenerate, named_rows
 from kinlib.scalar import ROUNDING, RTOL, as_float, divide, is_exact, is_zero
 from kinlib.typing import Array, ArrayLike, Degenerate, PoseLike, RigidTransformLike
+
 __all__ = ["as_pose"]
 
 
@@ -251,7 +252,7 @@ def moved_origin(q: DualQuaternion, origin: np.ndarray) -> DualQuaternion:
     return wrap(np.stack(np.broadcast_arrays(p0, p1, p2, p3, d0, *moment)))
 
 
-def stretched(q: DualQuaternion, factor: Array) -> DualQuaternion:
+def stretched(q: DualQuaternion, factor: Array | float) -> DualQuaternion:
     """All lengths multiplied by a factor, shape (...); batches broadcast."""
     missing = max(np.ndim(factor) - len(q.shape), 0)
     components = q.components.reshape(8, *(1,) * missing, *q.shape)

@@ -22,8 +22,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 __all__ = [
-    "PARALLEL", "ROUNDING", "RTOL", "RTOL_SINGLE", "ArrayLike", "ScalarLike", "as_float", "as_scalars", "check_finite",
-    "divide", "imaginary_unit", "is_exact", "is_zero", "size",
+    "PARALLEL", "ROUNDING", "RTOL", "RTOL_SINGLE", "ArrayLike", "ScalarLike", "Scalars", "as_float", "as_scalars",
+    "check_finite", "divide", "imaginary_unit", "is_exact", "is_zero", "size",
 ]  # fmt: skip
 
 RTOL = 1e-9
@@ -56,6 +56,9 @@ ScalarLike: TypeAlias = Union[int, float, complex, Fraction, "np.number[Any]", A
 
 ArrayLike: TypeAlias = NDArray[Any] | Sequence[Any] | ScalarLike
 """Numbers of any kind, any shape: an array, nested sequences, or a single one."""
+
+Scalars: TypeAlias = Any
+"""What comes out: a number for a single problem, an array of numbers for a batch."""
 
 
 def as_scalars(values: ArrayLike) -> np.ndarray:
@@ -209,7 +212,7 @@ def is_exact(array: np.ndarray) -> bool:
     return array.dtype.kind not in "fc"
 
 
-def divide(numerator: ArrayLike, denominator: ArrayLike) -> Any:
+def divide(numerator: ArrayLike, denominator: ArrayLike) -> Scalars:
     """The quotient, exact for exact numbers: whole numbers give fractions, never floats.
 
     Examples

@@ -51,7 +51,7 @@ def six_r_linkages(
     free: ScalarLike | ArrayLike = 0,
     *,
     degenerate: Degenerate = "raise",
-) -> Families:
+) -> Families[Linkage]:
     """The 6R linkages whose couplers visit four poses: nine for each real family of cubics.
 
     Parameters
@@ -99,9 +99,9 @@ def _factored(families: CubicFamilies) -> tuple[CubicFamilies, list[DualQuaterni
         factors, faults = factored(rows.cubics(), ORDERS)
         return families.less(_as_cubic_faults(faults), 0), factors
     blocks = [rows.some(slice(n, n + BLOCK)) for n in range(0, max(len(rows.t3), 1), BLOCK)]
-    factors, faults, missed = zip(*map(_factored_block, blocks), strict=True)
-    whole = [DualQuaternion(np.concatenate([h.coeffs for h in parts])) for parts in zip(*factors, strict=True)]
-    return families.less(np.concatenate(faults), np.concatenate(missed)), whole
+    found, faulty, missed = zip(*map(_factored_block, blocks), strict=True)
+    whole = [DualQuaternion(np.concatenate([h.coeffs for h in parts])) for parts in zip(*found, strict=True)]
+    return families.less(np.concatenate(faulty), np.concatenate(missed)), whole
 
 
 def _factored_block(rows: CubicRows) -> tuple[list[DualQuaternion], Array, Array]:

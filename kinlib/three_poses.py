@@ -46,7 +46,9 @@ TIE = 1e-9
 ALMOST = "the answer would miss the poses; they are near a place where there is none: "
 
 
-def dyads_through_poses(p0, p1, p2, *, method: str | None = None, degenerate: Degenerate = "raise") -> tuple[Dyad, Dyad]:
+def dyads_through_poses(
+    p0, p1, p2, *, method: str | None = None, degenerate: Degenerate = "raise"
+) -> tuple[Dyad, Dyad]:
     """The two 2R dyads through three poses (Theorem 2).
 
     Each joint of a dyad turns through the poses in the sense of its half-turn, from p0 over p1 to p2 (the conic has
@@ -152,7 +154,9 @@ def _about(k: DualQuaternion, h: DualQuaternion) -> tuple:
     return k.scalar_part, divide(null_form(k, h), null_form(h, h))
 
 
-def two_dyads(problem: PoseProblem, degenerate: Degenerate, method: str | None = None, *, tangent: bool = False) -> TwoDyads:
+def two_dyads(
+    problem: PoseProblem, degenerate: Degenerate, method: str | None = None, *, tangent: bool = False
+) -> TwoDyads:
     """Theorem 2 for a problem: checked against its poses, improved where rounding asks for it, else refused.
 
     With ``tangent`` the dyads of tangent planes are wanted too, where there is no conic.

@@ -1,4 +1,4 @@
-"""What the functions of kinlib take, each kind of argument named once."""
+"""What the functions of kinlib take and give, each kind of argument named once."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kinlib.dual_quaternion import DualQuaternion
-from kinlib.scalar import ArrayLike, ScalarLike
+from kinlib.scalar import ArrayLike, ScalarLike, Scalars
 
 __all__ = [
     "Array",
@@ -21,6 +21,7 @@ __all__ = [
     "PoseLike",
     "RigidTransformLike",
     "ScalarLike",
+    "Scalars",
     "VectorLike",
 ]
 
