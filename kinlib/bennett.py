@@ -7,11 +7,12 @@ import math
 from kinlib.linkage import Linkage, verified_loop
 from kinlib.poses import seen_together
 from kinlib.three_poses import two_dyads
+from kinlib.typing import Degenerate, PoseLike
 
 __all__ = ["bennett_linkage"]
 
 
-def bennett_linkage(p0, p1, p2, *, degenerate: Degenerate = "raise") -> Linkage:
+def bennett_linkage(p0: PoseLike, p1: PoseLike, p2: PoseLike, *, degenerate: Degenerate = "raise") -> Linkage:
     """The Bennett linkage whose coupler visits three poses, at t = ∞, 0 and 1.
 
     Both dyads of Theorem 2 contain the conic through the poses; each gives one factorization of it.
@@ -36,5 +37,5 @@ def bennett_linkage(p0, p1, p2, *, degenerate: Degenerate = "raise") -> Linkage:
     """
     problem = seen_together(p0, p1, p2, degenerate=degenerate)
     both = two_dyads(problem, degenerate)
-    chains = ([problem.outward(k) for k in both.factors(n)] for n in range(2))
-    return verified_loop(*chains, home=problem.home, parameters=(math.inf, 0, 1))
+    first, second = ([problem.outward(k) for k in both.factors(n)] for n in range(2))
+    return verified_loop(first, second, home=problem.home, parameters=(math.inf, 0, 1))

@@ -8,6 +8,7 @@ of a batch tells the two dyads apart.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -18,6 +19,7 @@ from kinlib.motion_polynomial import MotionPolynomial
 from kinlib.pose_faults import distance_from_exceptional_space
 from kinlib.poses import PoseProblem
 from kinlib.scalar import divide
+from kinlib.typing import Array
 
 __all__ = ["ROUTES"]
 
@@ -36,7 +38,7 @@ def start_of(problem: PoseProblem) -> np.ndarray:
     return np.where(np.abs(second) < np.abs(first), 1.0, 0.0)
 
 
-def _weights(problem: PoseProblem) -> tuple:
+def _weights(problem: PoseProblem) -> tuple[Array, Array]:
     """The b02/b12 and b01/b12 with which C(0) and C(1) are multiples of the second and third pose."""
     b01, b02, b12 = problem.forms
     return divide(b02, b12), divide(b01, b12)
@@ -151,7 +153,7 @@ def by_eigenvalues(problem: PoseProblem, plane: Spectrum) -> Pair:
     return _axes((f1, f2 * cosine - x * sine), (f3, f2 * sine + x * cosine))
 
 
-def _fourth_point(normal: DualQuaternion, basis, entry, last) -> DualQuaternion:
+def _fourth_point(normal: DualQuaternion, basis: Sequence[DualQuaternion], entry: Array, last: Array) -> DualQuaternion:
     """The point x orthonormal to the plane with b(x, f1) = b(x, f3) = 0, b(x, f2) = entry, b(x, x) = last."""
     dual = normal * (last / 2)
     for f, value in zip(basis, (0, entry, 0), strict=True):
@@ -199,7 +201,7 @@ def _by_null_quadrilateral(problem: PoseProblem, plane: Spectrum) -> Pair:
     return DualQuaternion.stack([a1, b1], axis=-1), DualQuaternion.stack([a2, b2], axis=-1)
 
 
-def _sharpened(C, t: np.ndarray) -> np.ndarray:
+def _sharpened(C: MotionPolynomial, t: np.ndarray) -> np.ndarray:
     """One Newton step towards ⟨C(t), C(t)⟩ = 0, which cancels less than the expanded quartic."""
     second, first, _ = C.coefficients
     pose = C(t)

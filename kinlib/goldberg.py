@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from kinlib.linkage import Linkage
+from kinlib.typing import Degenerate, PoseLike, ZLike
 from kinlib.z_plane import z_planes
 
 __all__ = ["goldberg_linkages"]
@@ -10,7 +11,9 @@ __all__ = ["goldberg_linkages"]
 PLACES = tuple(f"dyad {number}, {side} joint turning twice: " for number in (1, 2) for side in ("base", "moving"))
 
 
-def goldberg_linkages(p0, p1, p2, z, *, degenerate: Degenerate = "raise") -> tuple[Linkage, ...]:
+def goldberg_linkages(
+    p0: PoseLike, p1: PoseLike, p2: PoseLike, z: ZLike, *, degenerate: Degenerate = "raise"
+) -> tuple[Linkage, ...]:
     """The eight 5R linkages through three poses for a complex number z.
 
     Parameters

@@ -94,7 +94,7 @@ def _not_finite(problem: PoseProblem) -> np.ndarray:
     return ~np.all([np.isfinite(as_float(q.components)).all(axis=0) for q in problem.others], axis=0)
 
 
-def _largest(rows) -> np.ndarray:
+def _largest(rows: np.ndarray) -> np.ndarray:
     return np.max([np.abs(as_float(x)) for x in rows], axis=0)
 
 

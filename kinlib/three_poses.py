@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
-from typing import NamedTuple
+from typing import NamedTuple, TypeAlias
 
 import numpy as np
 
@@ -31,6 +32,7 @@ from kinlib.motion_polynomial import MotionPolynomial
 from kinlib.pose_faults import PoseFault, faults_of_poses, nearest_fault, tangent_faults
 from kinlib.poses import PoseProblem, as_pose, gap, masked, opening, seen_together
 from kinlib.scalar import as_float, divide
+from kinlib.typing import Array, Degenerate, PoseLike, Scalars
 
 __all__ = ["dyads_through_poses", "study_eigenvalues"]
 
@@ -47,7 +49,7 @@ ALMOST = "the answer would miss the poses; they are near a place where there is 
 
 
 def dyads_through_poses(
-    p0, p1, p2, *, method: str | None = None, degenerate: Degenerate = "raise"
+    p0: PoseLike, p1: PoseLike, p2: PoseLike, *, method: str | None = None, degenerate: Degenerate = "raise"
 ) -> tuple[Dyad, Dyad]:
     """The two 2R dyads through three poses (Theorem 2).
 
@@ -90,10 +92,16 @@ def dyads_through_poses(
     poses = (p0, p1, p2) if method in (None, "factorization") else [_in_floats(p) for p in (p0, p1, p2)]
     problem = seen_together(*poses, degenerate=degenerate)
     both = two_dyads(problem, degenerate, method, tangent=True)
-    return tuple(Dyad(*map(problem.outward, both.half_turns(n)), problem.home) for n in range(2))
+    return _dyad_of(problem, both.half_turns(0)), _dyad_of(problem, both.half_turns(1))
 
 
-def study_eigenvalues(p0, p1, p2) -> np.ndarray:
+def _dyad_of(problem: PoseProblem, half_turns: Pair) -> Dyad:
+    """The dyad with half-turns that were found in the problem's own frame."""
+    h1, h2 = map(problem.outward, half_turns)
+    return Dyad(h1, h2, problem.home)
+
+
+def study_eigenvalues(p0: PoseLike, p1: PoseLike, p2: PoseLike) -> np.ndarray:
     """The eigenvalues μ1 ≤ μ2 ≤ μ3 of the Study form relative to the null form on the plane of three poses.
 
     Both dyads through the poses have (μ3 − μ1)/2 as the ratio of distance and sine of the angle of their axes,
@@ -115,8 +123,12 @@ def study_eigenvalues(p0, p1, p2) -> np.ndarray:
     return spectrum_of(*problem.others).values * problem.length[..., None]
 
 
-def _in_floats(pose) -> DualQuaternion:
+def _in_floats(pose: PoseLike) -> DualQuaternion:
     return DualQuaternion(as_float(as_pose(pose).coeffs))
+
+
+Stop: TypeAlias = tuple[Scalars, Scalars]
+"""The parameters of both joints of a dyad in a pose."""
 
 
 class TwoDyads(NamedTuple):
@@ -140,16 +152,18 @@ class TwoDyads(NamedTuple):
         """The k1, k2 about the axes of dyad n with C(t) = (t − k1)(t − k2)."""
         return self.k1[..., n] + self.start, self.k2[..., n] + self.start
 
-    def stops(self, n: int) -> tuple[tuple, tuple]:
+    def stops(self, n: int) -> tuple[Stop, Stop]:
         """The (s1, s2) with which dyad n is in the second pose, and in the third, as (s1 − h1)(s2 − h2).
 
         From t − k = y ((t − x)/y − h) for k = x + y h.
         """
-        turns = [_about(k[..., n], h[..., n]) for k, h in ((self.k1, self.h1), (self.k2, self.h2))]
-        return tuple(tuple(divide(t - self.start - x, y) for x, y in turns) for t in (0, 1))
+        x1, y1 = _about(self.k1[..., n], self.h1[..., n])
+        x2, y2 = _about(self.k2[..., n], self.h2[..., n])
+        second, third = ((divide(t - x1, y1), divide(t - x2, y2)) for t in (0 - self.start, 1 - self.start))
+        return second, third
 
 
-def _about(k: DualQuaternion, h: DualQuaternion) -> tuple:
+def _about(k: DualQuaternion, h: DualQuaternion) -> tuple[Scalars, Scalars]:
     """The x, y of k = x + y h."""
     return k.scalar_part, divide(null_form(k, h), null_form(h, h))
 
@@ -188,7 +202,7 @@ def _exact_dyads(problem: PoseProblem) -> TwoDyads:
     return both
 
 
-def _float_dyads(problem: PoseProblem, faults, method: str, degenerate: Degenerate, tangent: bool) -> TwoDyads:
+def _float_dyads(problem: PoseProblem, faults: Array, method: str, degenerate: Degenerate, tangent: bool) -> TwoDyads:
     """By one of the routes, and by all that repairs what rounding does to it; faulty rows hold a regular problem."""
     with np.errstate(all="ignore"):
         plane = spectrum_of(*problem.others)
@@ -212,7 +226,8 @@ def _float_dyads(problem: PoseProblem, faults, method: str, degenerate: Degenera
     bad = (bad | lost)[..., None]
     later = ~no_conic & _comes_later(k1)
     h1, h2, k1, k2 = (_exchanged(q, later) for q in (h1, h2, k1, k2))
-    return TwoDyads(masked(h1, bad), masked(h2, bad), *(masked(k, bad | no_conic[..., None]) for k in (k1, k2)), start)
+    k1, k2 = (masked(k, bad | no_conic[..., None]) for k in (k1, k2))
+    return TwoDyads(masked(h1, bad), masked(h2, bad), k1, k2, start)
 
 
 def _report_missed(problem: PoseProblem, lost: np.ndarray, degenerate: Degenerate) -> None:
@@ -225,7 +240,7 @@ def _report_missed(problem: PoseProblem, lost: np.ndarray, degenerate: Degenerat
 def _only_dyad(problem: PoseProblem, plane: Spectrum) -> Dyad:
     """The dyad of a single problem with double roots."""
     h1, h2 = by_eigenvalues(problem, rounded(plane))
-    return Dyad(problem.outward(h1[0]), problem.outward(h2[0]), problem.home)
+    return _dyad_of(problem, (h1[0], h2[0]))
 
 
 STAND_INS = tuple(unit(q.astype(float)) for q in (i * (j - eps * i), (1 - i) * (2 - j + eps * i)))
@@ -265,9 +280,11 @@ def _linear_factors(h1: DualQuaternion, h2: DualQuaternion, C: MotionPolynomial)
     return h1 * y1 + divide(constant[2], y2), h2 * y2 + divide(constant[1], y1)
 
 
-def _improved(problem: PoseProblem, C: MotionPolynomial, start, k1: DualQuaternion, k2: DualQuaternion) -> tuple:
+def _improved(
+    problem: PoseProblem, C: MotionPolynomial, start: Array, k1: DualQuaternion, k2: DualQuaternion
+) -> tuple[DualQuaternion, DualQuaternion, Array]:
     """The linear factors, or better ones where these miss a pose; and by how much they still miss one, shape (...)."""
-    best, missed = [on_axis(k1), on_axis(k2)], np.asarray(_missed(problem.others, start, k1, k2))
+    best, missed = (on_axis(k1), on_axis(k2)), np.asarray(_missed(problem.others, start, k1, k2))
     poor = ~(missed <= GOOD)
     if not poor.any():
         return *best, missed
@@ -281,7 +298,8 @@ def _improved(problem: PoseProblem, C: MotionPolynomial, start, k1: DualQuaterni
         off = np.where(gain, candidate_off, off)
     missed = missed.copy()
     missed[poor] = off
-    return *(_with_rows(k, poor, new) for k, new in zip(best, kept, strict=True)), missed
+    better1, better2 = (_with_rows(k, poor, new) for k, new in zip(best, kept, strict=True))
+    return better1, better2, missed
 
 
 def _rows(C: MotionPolynomial, rows: np.ndarray) -> MotionPolynomial:
@@ -295,7 +313,7 @@ def _with_rows(q: DualQuaternion, rows: np.ndarray, new: DualQuaternion) -> Dual
     return wrap(components)
 
 
-def _missed(others, start, k1: DualQuaternion, k2: DualQuaternion) -> np.ndarray:
+def _missed(others: Sequence[DualQuaternion], start: Array, k1: DualQuaternion, k2: DualQuaternion) -> np.ndarray:
     """How far both chains together are from the poses at t = 0 and t = 1, and from each other on the way."""
     f1, f2 = k1 + start[..., None], k2 + start[..., None]
     off = gap(f1 * f2, others[0][..., None]), gap((1 - f1) * (1 - f2), others[1][..., None])

@@ -23,6 +23,7 @@ __all__ = [
     "ScalarLike",
     "Scalars",
     "VectorLike",
+    "ZLike",
 ]
 
 
@@ -55,6 +56,10 @@ HomogeneousLike: TypeAlias = DualQuaternion | ArrayLike
 PoseLike: TypeAlias = DualQuaternion | RigidTransformLike | ArrayLike
 """Poses: dual quaternions on the Study quadric, homogeneous matrices of shape (..., 4, 4), or SciPy's
 ``RigidTransform``; single or a batch."""
+
+ZLike: TypeAlias = ArrayLike
+"""Points of the plane of z: complex numbers, single or in an array, or a pair (x, y) of real numbers or arrays, which
+keeps exact numbers exact."""
 
 Degenerate: TypeAlias = Literal["raise", "nan"]
 """What becomes of the rows of a batch that leave the answer undetermined: an error that names them, or NaN."""

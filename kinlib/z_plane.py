@@ -10,7 +10,9 @@ s_B1, s_B2, z*, where z* belongs to the Bennett linkage.
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import TypeAlias
 
 import numpy as np
 
@@ -23,7 +25,8 @@ from kinlib.linkage import Linkage, verified_loop
 from kinlib.motion_polynomial import MotionPolynomial
 from kinlib.poses import PoseProblem, gap, masked, opening, seen_together
 from kinlib.scalar import as_float, as_scalars, divide, is_zero, promote
-from kinlib.three_poses import ALMOST, GOOD, MET, chosen, two_dyads
+from kinlib.three_poses import ALMOST, GOOD, MET, Stop, chosen, two_dyads
+from kinlib.typing import Array, Degenerate, PoseLike, Scalars, ZLike
 
 __all__ = ["ZFault", "ZPlane", "z_planes"]
 
@@ -58,28 +61,34 @@ ON_IT = 1e-12
 
 SIDES = ("base", "moving")
 
+Point: TypeAlias = tuple[Scalars, Scalars]
+"""The coordinates x, y of a point of the plane of z."""
+
+Factors: TypeAlias = tuple[DualQuaternion, ...]
+"""The h1, h2, h3 of a chain (t − h1)(t − h2)(t − h3)."""
+
 
 @dataclass(frozen=True)
 class PlaneNumber:
     """A number x + y h of the plane in which h, with h² = −n, stands for √−1."""
 
-    x: np.ndarray
-    y: np.ndarray
-    n: np.ndarray
+    x: Scalars
+    y: Scalars
+    n: Scalars
 
     __array_ufunc__ = None
 
     def __mul__(self, other: PlaneNumber) -> PlaneNumber:
         return PlaneNumber(self.x * other.x - self.n * (self.y * other.y), self.x * other.y + self.y * other.x, self.n)
 
-    def __rsub__(self, real) -> PlaneNumber:
+    def __rsub__(self, real: Scalars) -> PlaneNumber:
         return PlaneNumber(real - self.x, -self.y, self.n)
 
-    def square(self):
+    def square(self) -> Scalars:
         """The square of the absolute value."""
         return self.x * self.x + self.n * (self.y * self.y)
 
-    def length(self):
+    def length(self) -> Array:
         """The absolute value, in floats."""
         return np.sqrt(as_float(self.square()))
 
@@ -121,11 +130,11 @@ class ZPlane:
     problem: PoseProblem
     hA: DualQuaternion
     hB: DualQuaternion
-    stops: tuple[tuple, tuple]
+    stops: tuple[Stop, Stop]
     side: str
 
     @classmethod
-    def of(cls, dyad: Dyad, p1, p2, *, side: str = "base") -> ZPlane:
+    def of(cls, dyad: Dyad, p1: PoseLike, p2: PoseLike, *, side: str = "base") -> ZPlane:
         """The plane of a dyad that reaches two poses besides its home.
 
         Raises
@@ -138,15 +147,18 @@ class ZPlane:
         return cls._on_side(problem, h1, h2, (dyad.parameters(p1), dyad.parameters(p2)), side)
 
     @classmethod
-    def _on_side(cls, problem: PoseProblem, h1, h2, stops, side: str) -> ZPlane:
+    def _on_side(
+        cls, problem: PoseProblem, h1: DualQuaternion, h2: DualQuaternion, stops: tuple[Stop, Stop], side: str
+    ) -> ZPlane:
         if side not in SIDES:
             raise ValueError(f"expected the side 'base' or 'moving', got {side!r}")
         if side == "base":
             return cls(problem, h1, h2, stops, side)
-        return cls(problem, -h2, -h1, tuple(stop[::-1] for stop in stops), side)
+        (a1, b1), (a2, b2) = stops
+        return cls(problem, -h2, -h1, ((b1, a1), (b2, a2)), side)
 
     @property
-    def corners(self) -> tuple[tuple, tuple, tuple]:
+    def corners(self) -> tuple[Point, Point, Point]:
         """The triangle s_B1, s_B2, z*, as pairs (x, y)."""
         (a1, b1), (a2, b2) = self.stops
         slope = divide(b2 - b1, a2 - a1)
@@ -161,11 +173,11 @@ class ZPlane:
         return middle + 1j * height, np.hypot(b1 - middle, height)
 
     @property
-    def _unit(self):
+    def _unit(self) -> Array:
         """The length of hA: y counts in its inverse."""
         return np.sqrt(as_float(null_form(self.hA, self.hA)))
 
-    def partner(self, z):
+    def partner(self, z: ZLike) -> Scalars | Point:
         """The second root z2 of the joint that turns twice, for the first root z; infinite or NaN where there is none.
 
         Parameters
@@ -179,9 +191,9 @@ class ZPlane:
         z1 = self._number(z)
         with np.errstate(invalid="ignore", divide="ignore"):
             z2 = self._partner(z1, *self._products(z1), False)
-        return (z2.x, z2.y) if _is_pair(z) else z2.x + 1j * z2.y
+        return (z2.x, z2.y) if isinstance(z, tuple) else z2.x + 1j * z2.y
 
-    def fault(self, z):
+    def fault(self, z: ZLike) -> ZFault | Array | None:
         """What is wrong at a point: a `ZFault`, or None; for arrays the numbers of the faults, 0 for none."""
         z1 = self._number(z)
         with np.errstate(invalid="ignore", divide="ignore", over="ignore"):
@@ -190,7 +202,7 @@ class ZPlane:
             return faults
         return ZFault(int(faults)) if faults else None
 
-    def chains(self, z, *, degenerate: Degenerate = "raise") -> tuple[tuple[DualQuaternion, ...], ...]:
+    def chains(self, z: ZLike, *, degenerate: Degenerate = "raise") -> tuple[Factors, ...]:
         """The three chains of linear factors that share one cubic: the dyad's, and the two that close it to a 5R.
 
         Raises
@@ -201,35 +213,38 @@ class ZPlane:
         chains, bad = self._checked_chains(self._number(z), degenerate, "")
         return tuple(self._outward(chain, bad) for chain in chains)
 
-    def linkages(self, z, *, degenerate: Degenerate = "raise", place: str = "") -> tuple[Linkage, Linkage]:
+    def linkages(self, z: ZLike, *, degenerate: Degenerate = "raise", place: str = "") -> tuple[Linkage, Linkage]:
         """The two 5R linkages for a point z, whose couplers visit the poses."""
         chains, bad = self._checked_chains(self._number(z), degenerate, place)
         first, *partners = (self._outward(chain, bad) for chain in chains)
-        options = {"home": self.problem.home, "joints": (2, 1, 1, 1, 1), "parameters": self.parameters}
-        if self.side == "moving":
-            options["joints"] = (1, 2, 1, 1, 1)
-        return tuple(verified_loop(first, second, **options) for second in partners)
+        joints = (2, 1, 1, 1, 1) if self.side == "base" else (1, 2, 1, 1, 1)
+        one_loop, other_loop = (
+            verified_loop(first, partner, home=self.problem.home, joints=joints, parameters=self.parameters)
+            for partner in partners
+        )
+        return one_loop, other_loop
 
     @property
-    def parameters(self) -> tuple:
+    def parameters(self) -> tuple[Scalars, ...]:
         """The t at which the linkages are in the three poses."""
         return (math.inf, *(s_b for _, s_b in self.stops))
 
-    def _outward(self, chain, bad) -> tuple[DualQuaternion, ...]:
+    def _outward(self, chain: Factors, bad: Array) -> Factors:
         """The factors in the frame of the poses, from the base to the coupler."""
         if self.side == "moving":
-            chain = [h.conjugate() for h in reversed(chain)]
+            chain = tuple(h.conjugate() for h in reversed(chain))
         with np.errstate(invalid="ignore", over="ignore"):  # where there is no plane of z
             return tuple(masked(self.problem.outward(h), bad) for h in chain)
 
-    def _number(self, z) -> PlaneNumber:
+    def _number(self, z: ZLike) -> PlaneNumber:
         return PlaneNumber(*_coordinates(z), null_form(self.hA, self.hA))
 
-    def _products(self, z1: PlaneNumber) -> list[PlaneNumber]:
+    def _products(self, z1: PlaneNumber) -> tuple[PlaneNumber, PlaneNumber]:
         """w = (s_B − z1)(s_A + hA) for both poses."""
-        return [(s_b - z1) * PlaneNumber(s_a, 1, z1.n) for s_a, s_b in self.stops]
+        w1, w2 = ((s_b - z1) * PlaneNumber(s_a, 1, z1.n) for s_a, s_b in self.stops)
+        return w1, w2
 
-    def _partner(self, z1: PlaneNumber, w1: PlaneNumber, w2: PlaneNumber, unsolved) -> PlaneNumber:
+    def _partner(self, z1: PlaneNumber, w1: PlaneNumber, w2: PlaneNumber, unsolved: bool | Array) -> PlaneNumber:
         """The z2 with Im (s_B − z2) w = 0 at both poses."""
         determinant = w1.y * w2.x - w1.x * w2.y + unsolved  # any number but zero where there is no answer
         right1, right2 = (s_b * w.y for (_, s_b), w in zip(self.stops, (w1, w2), strict=True))
@@ -255,21 +270,20 @@ class ZPlane:
         on_side = is_zero(z2.y, self._size(z2), near)
         b1, b2 = (s_b for _, s_b in self.stops)
         nearer = abs(as_float(z2.x - b1)) <= abs(as_float(z2.x - b2))
-        quadratics = [(z.x, z.square()) for z in (z1, z2)]
+        first, second = ((z.x, z.square()) for z in (z1, z2))
         other = (0, null_form(self.hB, self.hB))
         late = first_fault(
             (on_side & nearer, ZFault.MISSES_1),
             (on_side, ZFault.MISSES_2),
-            (_same_quadratic(quadratics[0], other, near) | _same_quadratic(quadratics[1], other, near),
-             ZFault.SAME_QUADRATIC),
-            (_same_quadratic(*quadratics, near), ZFault.OWN_CONJUGATE),
-        )  # fmt: skip
+            (_same_quadratic(first, other, near) | _same_quadratic(second, other, near), ZFault.SAME_QUADRATIC),
+            (_same_quadratic(first, second, near), ZFault.OWN_CONJUGATE),
+        )
         return np.where(early, early, late)
 
-    def _size(self, z: PlaneNumber):
+    def _size(self, z: PlaneNumber) -> Array:
         return z.length() + sum(abs(as_float(s_b)) for _, s_b in self.stops)
 
-    def _checked_chains(self, z1: PlaneNumber, degenerate: Degenerate, place: str) -> tuple[list[tuple], np.ndarray]:
+    def _checked_chains(self, z1: PlaneNumber, degenerate: Degenerate, place: str) -> tuple[list[Factors], np.ndarray]:
         """The chains in the problem's frame, and the rows for which there are none."""
         check_degenerate(degenerate)
         with np.errstate(invalid="ignore", divide="ignore", over="ignore"):
@@ -285,7 +299,7 @@ class ZPlane:
             report_faults(lost * nearest, ZFault, degenerate, place=place + ALMOST, how_near=how_near)
         return chains, bad | lost
 
-    def _improved(self, chains: list[tuple]) -> tuple[list[tuple], np.ndarray]:
+    def _improved(self, chains: list[Factors]) -> tuple[list[Factors], np.ndarray]:
         """The chains, better ones where they miss a pose or do not share the cubic; and by how much they still do."""
         missed = np.asarray(self._missed(chains))
         poor = ~(missed <= GOOD) & np.isfinite(missed)
@@ -293,7 +307,7 @@ class ZPlane:
             return chains, missed
         kept = [tuple(on_axis(_broadcast_rows(h, poor)) for h in chain) for chain in chains]
         C = MotionPolynomial.from_coefficients(product_of(kept[0]))
-        tried = [kept[0], *([on_axis(h) for h in polished(C, chain)] for chain in kept[1:])]
+        tried = [kept[0], *(tuple(on_axis(h) for h in polished(C, chain)) for chain in kept[1:])]
         before, now = (np.asarray(self._missed(these, poor)) for these in (kept, tried))
         gain = now < before
         missed = missed.copy()
@@ -304,14 +318,14 @@ class ZPlane:
         ]
         return [_with_rows(chain, poor, new) for chain, new in zip(chains, kept, strict=True)], missed
 
-    def _missed(self, chains: list[tuple], rows: np.ndarray | None = None) -> np.ndarray:
+    def _missed(self, chains: list[Factors], rows: np.ndarray | None = None) -> np.ndarray:
         """How far the chains are from the poses, and from each other where a joint turns fastest, at t = Re f."""
         stops, seen = self.parameters[1:], self._seen
         if rows is not None:
-            stops = [np.broadcast_to(t, rows.shape)[rows] for t in stops]
-            seen = [_broadcast_rows(q, rows) for q in seen]
-        t = [*stops, *(h.scalar_part for h in chains[0])][: 3 if self.problem.is_exact else None]
-        t = np.stack(np.broadcast_arrays(*t), axis=-1)
+            stops = tuple(np.broadcast_to(t, rows.shape)[rows] for t in stops)
+            seen = tuple(_broadcast_rows(q, rows) for q in seen)
+        places = [*stops, *(h.scalar_part for h in chains[0])][: 3 if self.problem.is_exact else None]
+        t = np.stack(np.broadcast_arrays(*places), axis=-1)
         values = [_product_at(chain, t) for chain in chains]
         off = [gap(values[0][..., n], q) for n, q in enumerate(seen)]
         off += [opening(values[0], value).max(axis=-1) for value in values[1:]]
@@ -346,7 +360,9 @@ class ZPlane:
         return 1 + np.argmin(measured, axis=0), measured.min(axis=0)
 
 
-def z_planes(p0, p1, p2, *, degenerate: Degenerate = "raise") -> tuple[ZPlane, ZPlane, ZPlane, ZPlane]:
+def z_planes(
+    p0: PoseLike, p1: PoseLike, p2: PoseLike, *, degenerate: Degenerate = "raise"
+) -> tuple[ZPlane, ZPlane, ZPlane, ZPlane]:
     """The four planes of z of three poses: of each of the two dyads, with its base joint and with its moving joint.
 
     Parameters
@@ -358,19 +374,17 @@ def z_planes(p0, p1, p2, *, degenerate: Degenerate = "raise") -> tuple[ZPlane, Z
     """
     problem = seen_together(p0, p1, p2, degenerate=degenerate)
     both = two_dyads(problem, degenerate)
-    return tuple(ZPlane._on_side(problem, *both.half_turns(n), both.stops(n), side) for n in range(2) for side in SIDES)
+    base1, moving1, base2, moving2 = (
+        ZPlane._on_side(problem, *both.half_turns(n), both.stops(n), side) for n in range(2) for side in SIDES
+    )
+    return base1, moving1, base2, moving2
 
 
-def _is_pair(z) -> bool:
-    return isinstance(z, tuple)
-
-
-def _coordinates(z) -> tuple:
+def _coordinates(z: ZLike) -> Point:
     """The x, y of a point of the plane: of a pair of real numbers as they are, of complex numbers in floats."""
-    if not _is_pair(z):
-        z = as_scalars(z)
-        z = np.asarray(as_float(z), dtype=complex)
-        return z.real, z.imag
+    if not isinstance(z, tuple):
+        points = np.asarray(as_float(as_scalars(z)), dtype=complex)
+        return points.real, points.imag
     if len(z) != 2:
         raise ValueError(f"expected z as a complex number or as a pair (x, y) of real numbers, got {len(z)} numbers")
     x, y = promote(*(as_scalars(part) for part in z))
@@ -379,14 +393,14 @@ def _coordinates(z) -> tuple:
     return divide(x, 1), divide(y, 1)
 
 
-def _same_quadratic(first, second, near: float):
+def _same_quadratic(first: tuple[Scalars, Scalars], second: tuple[Scalars, Scalars], near: float) -> bool | Array:
     """Whether t² − 2xt + q is one polynomial for two pairs (x, q)."""
     (x, q), (y, r) = first, second
     scale = as_float(abs(q) + abs(r))
     return is_zero(x - y, np.sqrt(scale), near) & is_zero(q - r, scale, near)
 
 
-def _factorizations(h1: DualQuaternion, h2: DualQuaternion, hB: DualQuaternion) -> list[tuple]:
+def _factorizations(h1: DualQuaternion, h2: DualQuaternion, hB: DualQuaternion) -> list[Factors]:
     """The factors h1, h2, hB of the cubic with A turning twice, and those of its two admissible partners.
 
     The quadratic factors of C C̄ are those of h1, h2 and hB.  A partner begins with the quadratic of hB and ends
@@ -395,14 +409,14 @@ def _factorizations(h1: DualQuaternion, h2: DualQuaternion, hB: DualQuaternion) 
     return [(h1, h2, hB), _brought_to_front(h1, h2, hB), _brought_to_front(h2, h1, hB)]
 
 
-def _brought_to_front(h1: DualQuaternion, h2: DualQuaternion, h3: DualQuaternion) -> tuple[DualQuaternion, ...]:
+def _brought_to_front(h1: DualQuaternion, h2: DualQuaternion, h3: DualQuaternion) -> Factors:
     """The factorization with the quadratics of h3, h1, h2 in this order."""
     middle, k3 = bennett_flip(h2, h3)
     k1, k2 = bennett_flip(h1, middle)
     return k1, k2, k3
 
 
-def _product_at(chain, t: np.ndarray) -> DualQuaternion:
+def _product_at(chain: Factors, t: np.ndarray) -> DualQuaternion:
     """(t − h1)(t − h2)(t − h3) at several parameters, shape (..., m)."""
     h1, h2, h3 = (h[..., None] for h in chain)
     return (t - h1) * (t - h2) * (t - h3)
@@ -412,7 +426,7 @@ def _broadcast_rows(q: DualQuaternion, rows: np.ndarray) -> DualQuaternion:
     return DualQuaternion(np.broadcast_to(q.coeffs, (*rows.shape, 8)))[rows]
 
 
-def _with_rows(chain, rows: np.ndarray, new) -> tuple[DualQuaternion, ...]:
+def _with_rows(chain: Factors, rows: np.ndarray, new: Sequence[DualQuaternion]) -> Factors:
     """The same factors but for some rows."""
     changed = []
     for h, better in zip(chain, new, strict=True):
