@@ -210,7 +210,7 @@ def draw_positions(linkage: Linkage, poses: Sequence[PoseLike], ax: Axes3D) -> A
 
 
 def write_picture(
-    path: str | os.PathLike,
+    path: str | os.PathLike[str],
     linkage: Linkage,
     poses: Sequence[PoseLike],
     *,

@@ -15,7 +15,7 @@ from kinlib.pictures.bars import Bars, common_feet, lines_of
 from kinlib.pictures.colours import BASE, COUPLER, LINKS, link_colours, link_names
 from kinlib.pictures.floats import one_dyad, one_linkage
 from kinlib.pictures.linkage_parts import body_of, coupler_parts, holder, joint, link_parts, linkage_parts, pin
-from kinlib.pictures.parts import Curve, Frame, Label, Rod, Surface
+from kinlib.pictures.parts import Curve, Frame, Label, Part, Rod, Surface
 from kinlib.pictures.scene import Scene, SceneGrid
 from kinlib.pictures.turn import one_turn, parameters_of
 from kinlib.poses import as_pose
@@ -262,7 +262,9 @@ def _swept_surface(h1: DualQuaternion, h2: DualQuaternion, point: np.ndarray, st
     return act(_rotations(h1, angles)[:, None] * _rotations(h2, angles)[None, :], point)
 
 
-def _arm(points: np.ndarray, directions: np.ndarray, home: DualQuaternion, point: np.ndarray, unit: float) -> list:
+def _arm(
+    points: np.ndarray, directions: np.ndarray, home: DualQuaternion, point: np.ndarray, unit: float
+) -> list[Part]:
     """A post on the first axis, the link to the second, and the hand with its frame and its point."""
     feet = common_feet(points, directions)
     (post, near), (far, hand) = [joint(directions[n], feet[n], feet[n], unit) for n in (0, 1)]

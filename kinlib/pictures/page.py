@@ -13,6 +13,8 @@ from pathlib import Path
 
 import meshcat
 
+from kinlib.pictures.shapes import Table
+
 __all__ = ["page_of", "shown", "static_files"]
 
 _LOADER = """
@@ -48,7 +50,7 @@ def _shares_the_viewer() -> bool:
     return asked == "shared" if asked else "JPY_SESSION_NAME" not in os.environ
 
 
-def shown(recording: dict, height: str) -> str:
+def shown(recording: Table, height: str) -> str:
     """The HTML that shows a scene inside another page, at a height in units of CSS."""
     page = page_of(recording, shared=_shares_the_viewer())
     return (
@@ -58,7 +60,7 @@ def shown(recording: dict, height: str) -> str:
     )
 
 
-def page_of(recording: dict, *, shared: bool) -> str:
+def page_of(recording: Table, *, shared: bool) -> str:
     """The HTML document of one scene."""
     data = json.dumps(recording, ensure_ascii=False, separators=(",", ":")).replace("<", "\\u003c")
     style, scripts = ("", [_LOADER]) if shared else _own_copies()

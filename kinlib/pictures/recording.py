@@ -12,7 +12,8 @@ from meshcat.geometry import MeshPhongMaterial
 
 from kinlib.displacement import translation
 from kinlib.dual_quaternion import DualQuaternion
-from kinlib.pictures.shapes import Solid, View
+from kinlib.pictures.parts import Part
+from kinlib.pictures.shapes import Solid, Table, View
 from kinlib.scalar import as_float
 
 __all__ = ["DIGITS", "record", "tidy", "track"]
@@ -24,14 +25,14 @@ DIGITS = 5
 class Recorder:
     """What meshcat takes for a window: it keeps the commands instead of sending them to a server."""
 
-    def __init__(self):
-        self.commands = []
+    def __init__(self) -> None:
+        self.commands: list[Table] = []
 
-    def send(self, command) -> None:
+    def send(self, command: Any) -> None:
         self.commands.append(command.lower())
 
 
-def _commands(parts: Sequence, view: View) -> list[dict]:
+def _commands(parts: Sequence[Part], view: View) -> list[Table]:
     """The commands of meshcat that draw the parts, each under the name of its body."""
     recorder = Recorder()
     visualizer = Visualizer(window=recorder)
@@ -47,7 +48,7 @@ def _material(solid: Solid) -> MeshPhongMaterial:
     return MeshPhongMaterial(color=int(solid.colour[1:], 16), opacity=solid.opacity)
 
 
-def record(parts: Sequence, view: View) -> dict:
+def record(parts: Sequence[Part], view: View) -> Table:
     """The parts as meshcat draws them, in plain tables: every shape once, numbers rounded, no random names.
 
     Returns
@@ -72,7 +73,7 @@ def record(parts: Sequence, view: View) -> dict:
     }
 
 
-def _number_of(value: dict, table: list[str]) -> int:
+def _number_of(value: Table, table: list[str]) -> int:
     """The place of a value in a table, to which it is added if it is new."""
     text = json.dumps(tidy(value), sort_keys=True)
     if text not in table:
@@ -80,17 +81,17 @@ def _number_of(value: dict, table: list[str]) -> int:
     return table.index(text)
 
 
-def _without_uuid(shape: dict) -> dict:
+def _without_uuid(shape: Table) -> Table:
     return {key: value for key, value in shape.items() if key != "uuid"}
 
 
-def _paint(material: dict) -> dict:
+def _paint(material: Table) -> Table:
     """The colour of a material, and how it lets light through; the rest is as the viewer would have it."""
     kept = {"type": material["type"], "color": material["color"], "side": 2}
     return kept | {"opacity": material["opacity"], "transparent": True} if material["transparent"] else kept
 
 
-def tidy(value: Any):
+def tidy(value: Any) -> Any:
     """The same value with rounded numbers, whole ones without a point, and lists instead of arrays."""
     if isinstance(value, Mapping):
         return {key: tidy(entry) for key, entry in value.items()}

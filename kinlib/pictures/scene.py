@@ -19,7 +19,7 @@ from kinlib.dual_quaternion import DualQuaternion
 from kinlib.pictures.page import page_of, shown
 from kinlib.pictures.parts import Frame, Part
 from kinlib.pictures.recording import DIGITS, record, tidy, track
-from kinlib.pictures.shapes import View
+from kinlib.pictures.shapes import Table, View
 from kinlib.scalar import as_float
 
 __all__ = ["Scene", "SceneGrid"]
@@ -37,7 +37,7 @@ class Playable(ABC):
     legend: Sequence[tuple[str, str]] = ()
     view: tuple[float, float] | None = None
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         if not self.alt.strip():
             raise ValueError("expected alt, a sentence that says what is to be seen")
         if len(self.captions) not in (0, self.frames):
@@ -52,10 +52,10 @@ class Playable(ABC):
         """The number of frames; 1 if nothing moves."""
 
     @abstractmethod
-    def cells(self) -> list[dict]:
+    def cells(self) -> list[Table]:
         """The views that the page shows next to each other."""
 
-    def recording(self) -> dict:
+    def recording(self) -> Table:
         """All that the player needs, ready to be written as JSON."""
         cells = self.cells()
         view = self.view or _viewpoint([cell["hull"] for cell in cells])
@@ -64,7 +64,7 @@ class Playable(ABC):
             "captions": self.captions, "legend": self.legend, "view": view, "cells": cells,
         })  # fmt: skip
 
-    def save(self, path: str | os.PathLike) -> Path:
+    def save(self, path: str | os.PathLike[str]) -> Path:
         """Write one HTML file that plays by itself, without a network.
 
         Returns
@@ -118,7 +118,7 @@ class Scene(Playable):
     parts: Sequence[Part] = ()
     motions: Mapping[str, DualQuaternion] = field(default_factory=dict)
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         object.__setattr__(self, "parts", tuple(self.parts))
         lengths = {motion.shape for motion in self.motions.values()}
         if len(lengths) > 1 or any(len(shape) != 1 for shape in lengths):
@@ -137,10 +137,10 @@ class Scene(Playable):
         """The same scene with more parts in it."""
         return replace(self, parts=(*self.parts, *parts))
 
-    def cells(self) -> list[dict]:
+    def cells(self) -> list[Table]:
         return [self.cell()]
 
-    def cell(self, name: str = "", digits: int = DIGITS) -> dict:
+    def cell(self, name: str = "", digits: int = DIGITS) -> Table:
         """One view: what is in it, how it moves, where its letters stand and when its frames light up."""
         view, hull = self._bounds()
         labels = [
@@ -198,7 +198,7 @@ class SceneGrid(Playable):
     scenes: Sequence[Scene]
     names: Sequence[str]
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         if len(self.names) != len(self.scenes):
             raise ValueError(f"expected {len(self.scenes)} names, one a scene, got {len(self.names)}")
         frames = sorted({scene.frames for scene in self.scenes})
@@ -210,7 +210,7 @@ class SceneGrid(Playable):
     def frames(self) -> int:
         return self.scenes[0].frames
 
-    def cells(self) -> list[dict]:
+    def cells(self) -> list[Table]:
         return [scene.cell(name, DIGITS - 1) for scene, name in zip(self.scenes, self.names, strict=True)]
 
 

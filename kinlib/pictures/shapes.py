@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass
+from typing import Any, TypeAlias
 
 import numpy as np
 from meshcat.geometry import Cylinder, Geometry
@@ -11,7 +12,10 @@ from meshcat.geometry import Cylinder, Geometry
 from kinlib.pictures.colours import X_AXIS, Y_AXIS, Z_AXIS
 from kinlib.typing import PointLike
 
-__all__ = ["Sheet", "Solid", "Tube", "View", "along", "scaled", "triad"]
+__all__ = ["Sheet", "Solid", "Table", "Tube", "View", "along", "scaled", "triad"]
+
+Table: TypeAlias = dict[str, Any]
+"""What the player reads as JSON: texts, numbers, lists and tables by their names."""
 
 
 @dataclass(frozen=True)
@@ -78,7 +82,7 @@ class Tube(Geometry):
         super().__init__()
         self.points, self.radius, self.closed = points, radius, closed
 
-    def lower(self, object_data):
+    def lower(self, object_data: Table) -> Table:
         pieces = 2 * len(self.points)
         path = {
             "type": "CatmullRomCurve3", "curveType": "centripetal", "tension": 0.5, "closed": self.closed,
@@ -97,7 +101,7 @@ class Sheet(Geometry):
         super().__init__()
         self.grid = grid
 
-    def lower(self, object_data):
+    def lower(self, object_data: Table) -> Table:
         rows, columns = self.grid.shape[:2]
         corner = (np.arange(rows - 1)[:, None] * columns + np.arange(columns - 1)).ravel()
         a, b, c, d = corner, corner + 1, corner + columns, corner + columns + 1

@@ -11,7 +11,7 @@ from kinlib.linkage import Linkage
 from kinlib.pictures.bars import Bars
 from kinlib.pictures.floats import pose_matrices
 from kinlib.scalar import as_float
-from kinlib.typing import ArrayLike, PoseLike
+from kinlib.typing import Array, ArrayLike, PoseLike
 
 __all__ = ["one_turn", "parameters_of"]
 
@@ -44,7 +44,7 @@ def _parameter_of(bars: Bars, target: np.ndarray, n: int) -> float:
     """One of the parameters from which the linkage was made, or else what a search along the whole turn finds."""
     linkage = bars.linkage
 
-    def gap(turn):
+    def gap(turn: Array | float) -> np.ndarray:
         difference = _matrices(linkage, turn) - target
         return (difference / np.array([1, 1, 1, bars.size]))[..., :3, :].reshape(*np.shape(turn), 12)
 
@@ -55,7 +55,7 @@ def _parameter_of(bars: Bars, target: np.ndarray, n: int) -> float:
     return float(known[0] if known else _parameter(root))
 
 
-def _nearest_turn(gap: Callable, turns: np.ndarray) -> float:
+def _nearest_turn(gap: Callable[[Array | float], np.ndarray], turns: np.ndarray) -> float:
     """Where a gap is least: the best of some turns, then settled where the gap is orthogonal to the motion."""
     best = turns[np.argmin((gap(turns) ** 2).sum(-1))]
     width = 1e-4 * min(best, 2 * np.pi - best) + 1e-9
@@ -63,7 +63,7 @@ def _nearest_turn(gap: Callable, turns: np.ndarray) -> float:
     return _secant(lambda turn: gap(turn) @ tangent, best - width, best + width)
 
 
-def _secant(function: Callable, a: float, b: float) -> float:
+def _secant(function: Callable[[float], float], a: float, b: float) -> float:
     """A zero of a function near a and b, as closely as floats tell."""
     at_a, at_b = function(a), function(b)
     for _ in range(30):
