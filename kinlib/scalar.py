@@ -16,7 +16,7 @@ from collections.abc import Sequence
 from decimal import Decimal
 from fractions import Fraction
 from numbers import Integral, Rational
-from typing import Any, Protocol, TypeAlias, Union
+from typing import Any, Protocol, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -51,7 +51,7 @@ class Algebraic(Protocol):
     def __lt__(self, other: Any, /) -> Any: ...
 
 
-ScalarLike: TypeAlias = Union[int, float, complex, Fraction, "np.number[Any]", Algebraic]
+ScalarLike: TypeAlias = int | float | complex | Fraction | np.number[Any] | Algebraic
 """A number of any kind: of Python, NumPy, mpmath or SymPy, or an element of a number field."""
 
 ArrayLike: TypeAlias = NDArray[Any] | Sequence[Any] | ScalarLike

@@ -6,6 +6,7 @@ import inspect
 import subprocess
 import sys
 from pathlib import Path
+from typing import get_type_hints
 
 import pytest
 
@@ -87,8 +88,27 @@ def imported_modules(name: str) -> set[str]:
 
 
 def public_objects(name: str) -> list:
-    module = importlib.import_module(f"kinlib.{name}")
+    module = importlib.import_module(name)
     return [getattr(module, public) for public in module.__all__]
+
+
+def functions_of(thing) -> list:
+    """A function of kinlib itself; of a class its public methods, its operators and what its properties call."""
+    members = [thing]
+    if inspect.isclass(thing):
+        items = (item for base in thing.__mro__ for item in vars(base).items())
+        members = [member for name, member in items if not name.startswith("_") or name.endswith("__")]
+    plain = (getattr(x, "fget", None) or getattr(x, "func", None) or getattr(x, "__func__", x) for x in members)
+    functions = map(inspect.unwrap, filter(inspect.isfunction, plain))
+    return [f for f in functions if Path(f.__code__.co_filename).is_relative_to(PACKAGE)]
+
+
+def without_hint(function) -> list[str]:
+    """The parameters of a function that have no hint, and "return" if its value has none."""
+    names = [name for name in inspect.signature(function).parameters if name not in ("self", "cls")]
+    names += [] if function.__name__ == "__init__" else ["return"]
+    hints = get_type_hints(function)
+    return [name for name in names if name not in hints]
 
 
 def test_the_order_names_every_file():
@@ -121,11 +141,17 @@ def test_public_names(name):
 
 @pytest.mark.parametrize("name", MODULES)
 def test_public_objects_are_documented(name):
-    objects = [x for x in public_objects(name) if inspect.isroutine(x) or inspect.isclass(x)]
+    objects = [x for x in public_objects(f"kinlib.{name}") if inspect.isroutine(x) or inspect.isclass(x)]
     assert [x.__name__ for x in objects if not (x.__doc__ or "").strip()] == []
 
 
+@pytest.mark.parametrize("name", ["kinlib", "kinlib.pictures", *(f"kinlib.{name}" for name in MODULES)])
+def test_all_that_is_public_has_hints(name):
+    missing = {f.__qualname__: without_hint(f) for thing in public_objects(name) for f in functions_of(thing)}
+    assert {function: names for function, names in missing.items() if names} == {}
+
+
 @pytest.mark.parametrize("name", MODULES)
-def test_public_functions_have_hints(name):
-    functions = [x for x in public_objects(name) if inspect.isfunction(x)]
-    assert [x.__name__ for x in functions if not x.__annotations__] == []
+def test_the_fields_of_public_classes_have_hints_that_are_known(name):
+    for thing in filter(inspect.isclass, public_objects(f"kinlib.{name}")):
+        get_type_hints(thing)
