@@ -177,7 +177,7 @@ class ZPlane:
         """The length of hA: y counts in its inverse."""
         return np.sqrt(as_float(null_form(self.hA, self.hA)))
 
-    def partner(self, z: ZLike) -> Scalars | Point:
+    def partner(self, z: ZLike) -> Scalars | tuple[Scalars, Scalars]:
         """The second root z2 of the joint that turns twice, for the first root z; infinite or NaN where there is none.
 
         Parameters
