@@ -17,7 +17,7 @@ from kinlib.displacement import (
 from kinlib.dual_quaternion import DualQuaternion, eps, i, j, k, null_form, one, study_form
 from kinlib.dyad import Dyad, NullQuadrilateral, TwoRSpace, primal_coordinates, recognise
 from kinlib.errors import DegenerateError
-from kinlib.factorization import bennett_flip, exchange, factorizations, factorize, quadratic_factors, quadratic_of
+from kinlib.factorization import bennett_flip, exchange, factorizations, factorize, quadratic_of
 from kinlib.goldberg import goldberg_linkages
 from kinlib.interpolation import Families, conic_through, cubics_through, fourth_parameters
 from kinlib.line import Line, common_perpendicular
@@ -26,6 +26,7 @@ from kinlib.motion_polynomial import MotionPolynomial, RationalCurve, linear_fac
 from kinlib.number_field import NumberField, NumberFieldElement, square_root
 from kinlib.poses import as_pose
 from kinlib.projective import Subspace, join, meet, null_space, same_point
+from kinlib.quadratics import quadratic_factors
 from kinlib.quadric import Quadric, binary_roots
 from kinlib.scalar import as_float, as_scalars, divide, is_exact, is_zero, size
 from kinlib.six_r import ADMISSIBLE_PAIRS, six_r_linkages

@@ -17,6 +17,7 @@ from kinlib.errors import check_degenerate, named_rows
 from kinlib.line import Line
 from kinlib.poses import middle_of
 from kinlib.projective import null_space
+from kinlib.rows import broadcast
 from kinlib.scalar import ROUNDING, RTOL, as_float, is_exact, is_zero
 from kinlib.typing import Array, ArrayLike, Degenerate, PointLike
 
@@ -482,11 +483,6 @@ def batch_index(index: Any, shape: tuple[int, ...], name: str) -> tuple[Any, ...
 
 def _rest(index: tuple[Any, ...]) -> tuple[Any, ...]:
     return (slice(None),) if any(part is Ellipsis for part in index) else (Ellipsis, slice(None))
-
-
-def broadcast(x: DualQuaternion, shape: tuple[int, ...]) -> DualQuaternion:
-    """The same dual quaternions, repeated to the shape of a batch."""
-    return x if x.shape == shape else DualQuaternion(np.broadcast_to(x.coeffs, (*shape, 8)))
 
 
 def plain(values: Array) -> Any:

@@ -14,8 +14,9 @@ from typing import NamedTuple
 import numpy as np
 
 from kinlib.dual_quaternion import DualQuaternion, eps_times, null_form, one, study_form, wrap
-from kinlib.factorization import factor_in_orders, solved
+from kinlib.factorization import factor_in_orders
 from kinlib.motion_polynomial import MotionPolynomial
+from kinlib.polishing import solved
 from kinlib.pose_faults import distance_from_exceptional_space
 from kinlib.poses import PoseProblem
 from kinlib.scalar import divide

@@ -21,7 +21,8 @@ from kinlib.cubics import (
 from kinlib.dual_quaternion import DualQuaternion, one, primal_size, study_form
 from kinlib.errors import Fault, first_fault, report_faults
 from kinlib.motion_polynomial import MotionPolynomial
-from kinlib.poses import PoseProblem, as_poses, gap, masked, seen_together
+from kinlib.poses import PoseProblem, as_poses, gap, seen_together
+from kinlib.rows import masked
 from kinlib.scalar import divide, is_exact, is_zero
 from kinlib.typing import Array, ArrayLike, Degenerate, PoseLike, ScalarLike, Scalars
 

@@ -13,14 +13,16 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from kinlib.chain import Chain, DHRow, batch_index, broadcast, count_or_nan, first_row, html_table, plain
+from kinlib.chain import Chain, DHRow, batch_index, count_or_nan, first_row, html_table, plain
 from kinlib.displacement import act, axis_of, unit
 from kinlib.dual_quaternion import DualQuaternion, null_form, one, study_form
 from kinlib.errors import DegenerateError
-from kinlib.factorization import divide_by_quadratic, product_of, quadratic_of
+from kinlib.factorization import divide_by_quadratic, quadratic_of
 from kinlib.motion_polynomial import MotionPolynomial, RationalCurve, evaluate
+from kinlib.polishing import product_of
 from kinlib.poses import as_pose
 from kinlib.projective import null_space
+from kinlib.rows import broadcast
 from kinlib.scalar import ROUNDING, RTOL, as_float, as_scalars, is_exact, is_zero, size
 from kinlib.typing import Array, ArrayLike, PointLike, PoseLike, ScalarLike
 

@@ -26,6 +26,7 @@ from kinlib.dual_quaternion import (
     wrap,
 )
 from kinlib.errors import DegenerateError, check_degenerate, named_rows
+from kinlib.rows import masked
 from kinlib.scalar import ROUNDING, RTOL, as_float, divide, is_exact, is_zero
 from kinlib.typing import Array, ArrayLike, Degenerate, PoseLike, RigidTransformLike
 
@@ -152,11 +153,6 @@ def _checked_exactly(q: DualQuaternion, name: str) -> DualQuaternion:
     return q
 
 
-def masked(q: DualQuaternion, rows: Array) -> DualQuaternion:
-    """NaN in place of the given rows."""
-    return DualQuaternion(np.where(np.asarray(rows)[..., None], np.nan, as_float(q.coeffs))) if np.any(rows) else q
-
-
 @dataclass(frozen=True)
 class PoseProblem:
     """Poses that belong together, and how the others look from the first.
@@ -222,7 +218,7 @@ def seen_together(*given: PoseLike, degenerate: Degenerate = "raise", rtol: floa
     with np.errstate(invalid="ignore", divide="ignore", over="ignore"):
         middle = middle_of(seen, sum(_place(q) for q in poses) / len(poses))
         centred = [moved_origin(q, middle) for q in seen]
-        length = _power_of_two(reduce(np.maximum, [np.abs(q.components[4:]).max(axis=0) for q in centred]))
+        length = power_of_two(reduce(np.maximum, [np.abs(q.components[4:]).max(axis=0) for q in centred]))
         lever = reduce(np.maximum, [_lever(q) for q in poses])
         scaled = tuple(_on_quadric(stretched(q, 1 / length)) for q in centred)
         return PoseProblem(home, scaled, middle, length, np.finfo(float).eps * lever / length)
@@ -305,7 +301,7 @@ def _place(q: DualQuaternion) -> np.ndarray:
     return 2 * shift / null_form(q, q)[..., None]
 
 
-def _power_of_two(length: np.ndarray) -> np.ndarray:
+def power_of_two(length: np.ndarray) -> np.ndarray:
     """The power of two next above a length; 1 for none at all."""
     return np.where(np.isfinite(length) & (length > 0), np.ldexp(1.0, np.frexp(np.nan_to_num(length))[1]), 1.0)
 

@@ -11,10 +11,12 @@ import numpy as np
 from kinlib.cubics import MET, CubicFamilies, CubicFault, CubicRows, families_of
 from kinlib.dual_quaternion import DualQuaternion, eps_times, null_form, study_form
 from kinlib.errors import first_fault
-from kinlib.factorization import NO_INVERSE, FactorFault, divided_off, factored, polished_at, split_motion, with_rows
+from kinlib.factorization import NO_INVERSE, FactorFault, divided_off, factored, split_motion
 from kinlib.interpolation import Families
 from kinlib.linkage import Linkage
+from kinlib.polishing import polished_at
 from kinlib.poses import opening
+from kinlib.rows import replaced
 from kinlib.scalar import divide
 from kinlib.typing import Array, ArrayLike, Degenerate, PoseLike, ScalarLike
 
@@ -136,7 +138,7 @@ def _repaired(rows: CubicRows, factors: list[DualQuaternion]) -> tuple[list[Dual
     gain = off < missed[poor]
     missed = missed.copy()
     missed[poor[gain]] = off[gain]
-    return [with_rows(h, (poor[gain],), new[gain]) for h, new in zip(factors, better, strict=True)], missed
+    return [replaced(h, (poor[gain],), new[gain]) for h, new in zip(factors, better, strict=True)], missed
 
 
 def _missed(rows: CubicRows, factors: list[DualQuaternion]) -> Array:

@@ -27,10 +27,13 @@ from kinlib.dyad_routes import (
     start_of,
 )
 from kinlib.errors import report_faults
-from kinlib.factorization import factor_in_orders, polished, quadratic_factors
+from kinlib.factorization import factor_in_orders
 from kinlib.motion_polynomial import MotionPolynomial
+from kinlib.polishing import polished
 from kinlib.pose_faults import PoseFault, faults_of_poses, nearest_fault, tangent_faults
-from kinlib.poses import PoseProblem, as_pose, gap, masked, opening, seen_together
+from kinlib.poses import PoseProblem, as_pose, gap, opening, seen_together
+from kinlib.quadratics import quadratic_factors
+from kinlib.rows import chosen, masked, replaced
 from kinlib.scalar import as_float, divide
 from kinlib.typing import Array, Degenerate, PoseLike, Scalars
 
@@ -255,15 +258,6 @@ def _replaced(problem: PoseProblem, rows: np.ndarray) -> PoseProblem:
     return replace(problem, others=others)
 
 
-def chosen(rows: np.ndarray, x: DualQuaternion, y: DualQuaternion) -> DualQuaternion:
-    """x in the given rows, y in the others; a row may hold both dyads."""
-    if not rows.any():
-        return y
-    return DualQuaternion(
-        np.where(rows.reshape(*rows.shape, *[1] * max(len(y.shape) - rows.ndim, 0), 1), x.coeffs, y.coeffs)
-    )
-
-
 def _for_both(C: MotionPolynomial) -> MotionPolynomial:
     """The polynomial once for each dyad."""
     return MotionPolynomial.from_coefficients(c[..., None] for c in C.coefficients)
@@ -298,19 +292,12 @@ def _improved(
         off = np.where(gain, candidate_off, off)
     missed = missed.copy()
     missed[poor] = off
-    better1, better2 = (_with_rows(k, poor, new) for k, new in zip(best, kept, strict=True))
+    better1, better2 = (replaced(k, poor, new) for k, new in zip(best, kept, strict=True))
     return better1, better2, missed
 
 
 def _rows(C: MotionPolynomial, rows: np.ndarray) -> MotionPolynomial:
     return MotionPolynomial.from_coefficients(c[rows] for c in C.coefficients)
-
-
-def _with_rows(q: DualQuaternion, rows: np.ndarray, new: DualQuaternion) -> DualQuaternion:
-    """The same dual quaternions but for some rows."""
-    components = q.components.copy()
-    components[:, rows] = new.components
-    return wrap(components)
 
 
 def _missed(others: Sequence[DualQuaternion], start: Array, k1: DualQuaternion, k2: DualQuaternion) -> np.ndarray:

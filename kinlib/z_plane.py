@@ -10,7 +10,6 @@ s_B1, s_B2, z*, where z* belongs to the Bennett linkage.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TypeAlias
 
@@ -20,12 +19,14 @@ from kinlib.dual_quaternion import DualQuaternion, null_form
 from kinlib.dyad import Dyad
 from kinlib.dyad_routes import on_axis
 from kinlib.errors import Fault, check_degenerate, first_fault, report_faults
-from kinlib.factorization import bennett_flip, polished, product_of
+from kinlib.factorization import bennett_flip
 from kinlib.linkage import Linkage, verified_loop
 from kinlib.motion_polynomial import MotionPolynomial
-from kinlib.poses import PoseProblem, gap, masked, opening, seen_together
+from kinlib.polishing import polished, product_of
+from kinlib.poses import PoseProblem, gap, opening, seen_together
+from kinlib.rows import broadcast, chosen, masked, picked, replaced
 from kinlib.scalar import as_float, as_scalars, divide, is_zero, promote
-from kinlib.three_poses import ALMOST, GOOD, MET, Stop, chosen, two_dyads
+from kinlib.three_poses import ALMOST, GOOD, MET, Stop, two_dyads
 from kinlib.typing import Array, Degenerate, PoseLike, Scalars, ZLike
 
 __all__ = ["ZFault", "ZPlane", "z_planes"]
@@ -305,7 +306,7 @@ class ZPlane:
         poor = ~(missed <= GOOD) & np.isfinite(missed)
         if self.problem.is_exact or not poor.any():
             return chains, missed
-        kept = [tuple(on_axis(_broadcast_rows(h, poor)) for h in chain) for chain in chains]
+        kept = [tuple(on_axis(picked(h, poor)) for h in chain) for chain in chains]
         C = MotionPolynomial.from_coefficients(product_of(kept[0]))
         tried = [kept[0], *(tuple(on_axis(h) for h in polished(C, chain)) for chain in kept[1:])]
         before, now = (np.asarray(self._missed(these, poor)) for these in (kept, tried))
@@ -316,14 +317,17 @@ class ZPlane:
             tuple(chosen(gain, new, old) for new, old in zip(*both, strict=True))
             for both in zip(tried, kept, strict=True)
         ]
-        return [_with_rows(chain, poor, new) for chain, new in zip(chains, kept, strict=True)], missed
+        return [
+            tuple(replaced(broadcast(h, poor.shape), poor, new) for h, new in zip(*both, strict=True))
+            for both in zip(chains, kept, strict=True)
+        ], missed
 
     def _missed(self, chains: list[Factors], rows: np.ndarray | None = None) -> np.ndarray:
         """How far the chains are from the poses, and from each other where a joint turns fastest, at t = Re f."""
         stops, seen = self.parameters[1:], self._seen
         if rows is not None:
             stops = tuple(np.broadcast_to(t, rows.shape)[rows] for t in stops)
-            seen = tuple(_broadcast_rows(q, rows) for q in seen)
+            seen = tuple(picked(q, rows) for q in seen)
         places = [*stops, *(h.scalar_part for h in chains[0])][: 3 if self.problem.is_exact else None]
         t = np.stack(np.broadcast_arrays(*places), axis=-1)
         values = [_product_at(chain, t) for chain in chains]
@@ -420,17 +424,3 @@ def _product_at(chain: Factors, t: np.ndarray) -> DualQuaternion:
     """(t − h1)(t − h2)(t − h3) at several parameters, shape (..., m)."""
     h1, h2, h3 = (h[..., None] for h in chain)
     return (t - h1) * (t - h2) * (t - h3)
-
-
-def _broadcast_rows(q: DualQuaternion, rows: np.ndarray) -> DualQuaternion:
-    return DualQuaternion(np.broadcast_to(q.coeffs, (*rows.shape, 8)))[rows]
-
-
-def _with_rows(chain: Factors, rows: np.ndarray, new: Sequence[DualQuaternion]) -> Factors:
-    """The same factors but for some rows."""
-    changed = []
-    for h, better in zip(chain, new, strict=True):
-        coeffs = np.array(np.broadcast_to(h.coeffs, (*rows.shape, 8)))
-        coeffs[rows] = better.coeffs
-        changed.append(DualQuaternion(coeffs))
-    return tuple(changed)
