@@ -1,4 +1,4 @@
-"""Statements beyond the paper: eigenvalues of the Study form, the z-plane, Karger's conditions, four linkages of one z."""
+"""Statements beyond the paper: eigenvalues of the Study form, the z-plane, Karger's conditions, four linkages per z."""
 
 from __future__ import annotations
 
