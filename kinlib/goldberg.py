@@ -1,4 +1,4 @@
-"""Goldberg linkages (5R) through three poses: two for each of the four planes of z."""
+"""5R linkages through three poses, two for each of the four planes of z: of Karger's class, Goldberg's among them."""
 
 from __future__ import annotations
 
@@ -14,7 +14,11 @@ PLACES = tuple(f"dyad {number}, {side} joint turning twice: " for number in (1, 
 def goldberg_linkages(
     p0: PoseLike, p1: PoseLike, p2: PoseLike, z: ZLike, *, degenerate: Degenerate = "raise"
 ) -> tuple[Linkage, ...]:
-    """The eight 5R linkages through three poses for a complex number z.
+    """The eight 5R linkages through three poses for a complex number z: four, each found twice.
+
+    With v = h1 − k2 from the factorizations (t − h1)(t − h2) = (t − k1)(t − k2) of the conic through the poses, the
+    map q ↦ v⁻¹ q̄ v fixes the poses and carries the linkages 0, 1, 2, 3 to 6, 7, 4, 5, with base and coupler exchanged:
+    the two of a pair are congruent, but their couplers move in different ways.
 
     Parameters
     ----------

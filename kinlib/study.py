@@ -61,9 +61,10 @@ def is_null_line(x: DualQuaternion, y: DualQuaternion, *, rtol: float = RTOL) ->
 
 
 def study_projection(q: DualQuaternion, *, degenerate: Degenerate = "raise") -> DualQuaternion:
-    """The point of the Study quadric on the line that joins [q] to the point [εp] of E, p its primal part.
+    """The point of the Study quadric outside E on the line that joins [q] to the point [εp] of E, p its primal part.
 
-    With q q̄ = a + εb this is [q (2a − εb)]; it has the same orientation as q.
+    With q q̄ = a + εb this is [q (2a − εb)]; it has the same orientation as q.  The line has just two points in common
+    with the quadric, this one and [εp].
 
     Parameters
     ----------

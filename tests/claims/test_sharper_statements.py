@@ -1,4 +1,4 @@
-"""Statements that go beyond the paper: eigenvalues of the Study form, the z-plane, Goldberg's conditions."""
+"""Statements beyond the paper: eigenvalues of the Study form, the z-plane, Karger's conditions, four linkages per z."""
 
 from __future__ import annotations
 
@@ -10,9 +10,12 @@ import sympy
 
 from kinlib import (
     DegenerateError,
+    DualQuaternion,
     Dyad,
+    conic_through,
     dyads_through_poses,
     eps,
+    factorizations,
     fourth_parameters,
     goldberg_linkages,
     i,
@@ -21,11 +24,12 @@ from kinlib import (
     one,
     quadratic_of,
     recognise,
+    same_point,
     six_r_linkages,
     study_eigenvalues,
     study_form,
 )
-from kinlib.gallery import FOUR_POSES, THREE_POSES
+from kinlib.gallery import FIELD_OF_DEGREE_SIX, FOUR_POSES, THREE_POSES
 from kinlib.testing import random_poses
 from problems import random_half_turns
 
@@ -152,7 +156,7 @@ def test_the_joint_turns_twice_if_both_are_on_one_side_of_the_real_axis():
     assert 0 < swings < 20
 
 
-def test_goldbergs_conditions_with_signs():
+def test_kargers_conditions_with_signs():
     """S5: offsets vanish but for an equal pair at the ends of the link with another ratio; its neighbours agree."""
     for seed in range(10):
         for linkage in goldberg_linkages(*random_poses(3, seed=seed), 0.7 + 0.6j):
@@ -166,7 +170,7 @@ def test_goldbergs_conditions_with_signs():
             assert np.isclose(before.distance, after.distance, rtol=1e-6)
 
 
-def test_goldbergs_signed_ratios_exactly():
+def test_kargers_signed_ratios_exactly():
     """S5: with directions kept by the exchanges; the other link has another ratio."""
     for dyad, linkage in zip(
         np.repeat(dyads_through_poses(*THREE_POSES), 2),
@@ -182,6 +186,52 @@ def test_goldbergs_signed_ratios_exactly():
         ratios = [study_form(p, q) / (1 - null_form(p, q) ** 2) for p, q in pairs]
         assert [ratio == ratios[0] for ratio in ratios] == [True, True, False, True, True]
         assert null_form(*pairs[1]) == null_form(*pairs[3])
+
+
+def exchange_of(poses):
+    """The map q ↦ v⁻¹ q̄ v with v = h1 − k2 from the two factorizations of the conic."""
+    (h1, _), (_, k2) = factorizations(conic_through(*poses))
+    v = h1 - k2
+    return lambda q: v.inverse() * q.conjugate() * v
+
+
+BACKWARDS = [1, 0, 4, 3, 2]  # the axes of a loop read from its coupler
+
+
+@pytest.mark.parametrize(("poses", "z"), [(THREE_POSES, (1, 3)), (FIELD_OF_DEGREE_SIX, (1, 2))])
+def test_the_eight_linkages_of_one_z_are_four_exactly(poses, z):
+    """S8: base and coupler change places in linkages 0, 1, 2, 3 and 6, 7, 4, 5."""
+    phi, linkages = exchange_of(poses), goldberg_linkages(*poses, z)
+    assert all(phi(pose) == pose for pose in poses)
+    for n, m in ((0, 6), (1, 7), (2, 4), (3, 5)):
+        assert list(map(phi, linkages[n].coupler_motion.coefficients)) == list(linkages[m].coupler_motion.coefficients)
+        images = [phi(linkages[n].axes[place]) for place in BACKWARDS]
+        assert all(same_point(a, b) for a, b in zip(images, linkages[m].axes, strict=True))
+        others = [phi(linkages[n].axes[place]) for place in BACKWARDS[2:]]
+        wrong = linkages[m ^ 1].axes[2:]
+        assert not all(same_point(a, b) for a, b in zip(others, wrong, strict=True))
+
+
+def test_the_eight_linkages_of_one_z_are_four():
+    """S8: lengths and twists, read from the base of the one and from the coupler of the other."""
+    linkages = goldberg_linkages(*random_poses(3, seed=8, shape=(100,)), 0.7 + 0.6j)
+    for n, m in ((0, 6), (1, 7), (2, 4), (3, 5)):
+        ours, theirs = ([(r.distance, abs(np.sin(r.twist))) for r in linkages[k].denavit_hartenberg()] for k in (n, m))
+        read = [ours[k] for k in (0, 4, 3, 2, 1)]  # link k joins axes k and k + 1
+        assert np.allclose(read, theirs, rtol=1e-6, atol=1e-9)
+
+
+def test_the_exchange_of_the_two_spaces():
+    """S8, R2: an involution that reverses products, keeps both forms and exchanges the spaces."""
+    phi = exchange_of(THREE_POSES)
+    first, second = dyads_through_poses(*THREE_POSES)
+    x, y = (DualQuaternion(np.random.default_rng(n).integers(-9, 10, 8)) for n in (1, 2))
+    assert phi(x * y) == phi(y) * phi(x)
+    assert phi(phi(x)) == x
+    assert study_form(phi(x), phi(y)) == study_form(x, y)
+    assert null_form(phi(x), phi(y)) == null_form(x, y)
+    assert all(phi(point) in second.space() for point in first.basis)
+    assert not all(phi(point) in first.space() for point in first.basis)
 
 
 def test_shares_at_the_corners_are_real_with_sum_one():

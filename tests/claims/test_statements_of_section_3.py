@@ -105,7 +105,25 @@ def test_what_the_first_two_conditions_keep_out():
                 recognise(DualQuaternion.stack(points))
 
 
-def test_a_prismatic_joint_has_three_null_lines_only():
+@pytest.mark.parametrize(
+    ("basis", "rank"),
+    [
+        ((one, i, eps * j, eps * k), 0),
+        ((one, k, eps * i, eps * j), 0),
+        ((one, i, j, k), 0),
+        ((one, i, j + eps * j, k + eps * k), 2),
+    ],
+    ids=["prismatic", "parallel", "intersecting", "complex"],
+)
+def test_null_quadrilaterals_come_with_all_that_is_kept_out_where_the_quadric_is_not_regular(basis, rank):
+    """D2: so item 3 alone keeps out nothing."""
+    corners = [basis[n] + s * basis[n + 1] for s in (I, -I) for n in (0, 2)]
+    assert all(is_null_line(corners[n - 1], corners[n]) for n in range(4))
+    assert sympy.Matrix([corner.coeffs for corner in corners]).rank() == 4
+    assert sympy.Matrix(STUDY_QUADRIC.gram(basis)).rank() == rank
+
+
+def test_a_prismatic_joint_with_a_regular_quadric_has_three_null_lines_only():
     """D2: Q is regular and ruled; the null cone is two planes that share a line of Q and cut one more each."""
     v = i + j + 2 * k
     space = join(one, k, eps * v, eps * k * v)
