@@ -98,7 +98,7 @@ def _missed(problem: PoseProblem, C: MotionPolynomial, parameters: Sequence[Scal
         terms = sum(primal_size(c) * np.abs(t) ** (C.degree - k) for k, c in enumerate(C.coefficients))
         seen = gap(problem.inward(reached * problem.home.conjugate()), wanted)
         off.append(seen + np.finfo(float).eps * terms / primal_size(reached))
-    return reduce(np.maximum, off) - 16 * problem.noise
+    return reduce(np.maximum, off) - 24 * problem.noise
 
 
 def _conic_faults(steps: Sequence[DualQuaternion], limits: Sequence[Array | float], tolerance: Any) -> np.ndarray:
