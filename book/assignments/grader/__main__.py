@@ -8,7 +8,7 @@ import sys
 import time
 from pathlib import Path
 
-from grader import report
+from grader import box, report
 from grader.collect import read_roster, submissions
 from grader.run import Limits, graded_all
 
@@ -31,6 +31,7 @@ def main(arguments: list[str] | None = None) -> int:
     if not asked.folder.is_dir():
         print(f"no folder of submissions at {asked.folder}", file=sys.stderr)
         return 2
+    print(box.BOXED if box.bubblewrap() else box.OPEN, flush=True)
     begun = time.monotonic()
     found = submissions(asked.folder, read_roster(asked.roster))
     print(f"{len(found)} files of {len({one.student for one in found})} students in {asked.folder}", flush=True)

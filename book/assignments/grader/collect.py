@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import csv
+import re
 from dataclasses import dataclass
 from functools import cache
+from hashlib import sha256
 from pathlib import Path
 
 from grader import masters
@@ -37,6 +39,18 @@ def submissions(folder: Path, roster: dict[str, str]) -> list[Submission]:
     """
     files = [path for path in sorted(folder.rglob("*")) if path.is_file() and not is_hidden(path.relative_to(folder))]
     return latest([looked_at(path, owner(path.relative_to(folder), roster)) for path in files])
+
+
+def file_name(student: str) -> str:
+    """A name for a student's files, whatever the id is made of.
+
+    Examples
+    --------
+    >>> file_name("ada"), file_name("12/345")
+    ('ada', '12_345-7c5b')
+    """
+    plain = re.sub(r"[^\w.@ -]|^\.+", "_", student)
+    return plain if plain == student else f"{plain}-{sha256(student.encode()).hexdigest()[:4]}"
 
 
 def is_hidden(path: Path) -> bool:

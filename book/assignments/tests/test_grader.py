@@ -15,7 +15,7 @@ import pytest
 from grader import __main__ as command
 from grader import masters, report
 from grader.collect import Submission, read_roster, submissions
-from grader.run import Limits, Result, graded, marked
+from grader.run import Limits, Result, graded, keep, marked
 from kinlib_assignments import dual_quaternions as exercise
 from submissions import handed_in
 
@@ -26,9 +26,9 @@ SPINNING = "def inverse(q):\n    while True:\n        pass"
 
 
 def marks(path: Path, student: str = "ada", **limits: int) -> dict[str, dict]:
-    found, remark = marked(Submission(student, path, NAME), Limits(**limits))
-    assert not remark, remark
-    return {mark["cell"]: mark for mark in found}
+    result = marked(Submission(student, path, NAME), Limits(**limits))
+    assert not result.remark, result.remark
+    return {mark["cell"]: mark for mark in result.marks}
 
 
 def lost(path: Path, student: str = "ada") -> dict[str, float]:
@@ -110,22 +110,24 @@ def test_a_warning_costs_nothing(tmp_path):
 # ---- what would stop the others --------------------------------------------------------------------------
 
 
+@pytest.mark.usefixtures("quick")
 def test_a_cell_that_never_ends_costs_itself_and_what_needs_it(tmp_path):
     path = handed_in(NAME, tmp_path, {"counterexample": SPIN})
-    found = marks(path, cell=8)
+    found = marks(path, cell=5)
     assert [name for name, mark in found.items() if mark["mark"] == 0] == ["not-a-law"]
 
 
 @pytest.mark.usefixtures("quick")
 def test_a_function_that_never_ends_is_named(tmp_path):
     path = handed_in(NAME, tmp_path, {"inverse": SPINNING})
-    found = marks(path, cell=8)
+    found = marks(path, cell=5)
     assert found["inverse-exact"] == {
         "cell": "inverse-exact",
         "points": 2,
         "mark": 0,
-        "remark": "took longer than 8 s, so it was stopped",
+        "remark": "took longer than 5 s, so it was stopped",
         "answer": SPINNING,
+        "untouched": False,
     }
     assert found["moved-point"]["mark"] == 2
 
@@ -142,10 +144,10 @@ def test_what_cannot_be_interrupted_is_killed(tmp_path, monkeypatch):
 
 def test_a_notebook_that_takes_too_long_as_a_whole_is_stopped(tmp_path, monkeypatch):
     monkeypatch.setattr(tempfile, "tempdir", str(tmp_path))
-    path = handed_in(NAME, tmp_path, {"student": "import time\ntime.sleep(1000)"})
-    found, remark = marked(Submission("ada", path, NAME), Limits(all=12))
-    assert remark == "stopped after 12 s in all"
-    assert [mark["mark"] for mark in found] == [0] * 12
+    path = handed_in(NAME, tmp_path, {"norm": "import time\ntime.sleep(1000)"})
+    result = marked(Submission("ada", path, NAME), Limits(all=12))
+    assert result.remark == "stopped after 12 s in all"
+    assert [mark["mark"] for mark in result.marks] == [2, 1, 2, 1] + [0] * 8
     assert processes_below(tmp_path) == []
 
 
@@ -162,6 +164,7 @@ def test_memory_is_limited(tmp_path):
     assert found["moved-point"]["mark"] == 2
 
 
+@pytest.mark.usefixtures("quick")
 def test_a_notebook_that_ends_python_keeps_what_came_before(tmp_path):
     path = handed_in(NAME, tmp_path, {"norm": "import os\nos._exit(3)"})
     found = marks(path)
@@ -169,13 +172,6 @@ def test_a_notebook_that_ends_python_keeps_what_came_before(tmp_path):
     assert found["norm-of-all"]["mark"] == 0
     assert found["norm-of-all"]["remark"].startswith("was not run")
     assert found["moved-point"]["mark"] == 0
-
-
-def test_nothing_of_the_teachers_environment_is_passed_on(tmp_path, monkeypatch):
-    monkeypatch.setenv("A_SECRET", "of the teacher")
-    spying = "import os\nassert 'A_SECRET' not in os.environ and os.environ['HOME'].endswith('home')\n"
-    spying += "def conjugate(q):\n    return [q[0], -q[1], -q[2], -q[3], q[4], -q[5], -q[6], -q[7]]"
-    assert lost(handed_in(NAME, tmp_path, {"conjugate": spying})) == {}
 
 
 # ---- a folder of submissions -----------------------------------------------------------------------------
@@ -303,6 +299,7 @@ def test_what_has_not_changed_is_not_run_again(tmp_path, monkeypatch):
     path = handed_in(NAME, tmp_path, None)
     one = Submission("ada", path, NAME)
     first = graded(one, Limits(), tmp_path / "kept")
+    keep(first, Limits(), tmp_path / "kept")
     monkeypatch.setattr("grader.run.marked", lambda *given: pytest.fail("it was run again"))
     assert graded(one, Limits(), tmp_path / "kept") == first
     edited(path, lambda cells: cells[:-1])
