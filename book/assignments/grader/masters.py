@@ -8,6 +8,7 @@ from pathlib import Path
 import nbformat
 from nbformat import NotebookNode
 
+from grader import tables
 from grader.matching import is_answer, keys, matched
 
 HERE = Path(__file__).resolve().parents[1]
@@ -16,8 +17,8 @@ ASSIGNMENTS = tuple(sorted(path.parent.name for path in SOURCE.glob("*/*.ipynb")
 
 
 def read(path: Path) -> NotebookNode:
-    """A notebook in the present format, whatever version it was saved in."""
-    return nbformat.read(path, as_version=4)
+    """A notebook in the present format, whatever version and encoding it was saved in."""
+    return nbformat.reads(tables.decoded(path.read_bytes()), as_version=4)
 
 
 def source(assignment: str) -> Path:
