@@ -44,6 +44,8 @@ found = {
     "secret": os.environ.get("A_SECRET"),
     "dry": os.environ["PIP_DRY_RUN"],
 }
+for above in {1, os.getppid()}:
+    can(lambda: os.kill(above, 9))
 subprocess.Popen([sys.executable, "-c", "import time; time.sleep(LEFT)"], start_new_session=True)
 time.sleep(1)
 raise ValueError(json.dumps(found))

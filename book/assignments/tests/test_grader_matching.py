@@ -69,14 +69,10 @@ def test_a_cell_whose_metadata_is_nonsense_is_read(tmp_path):
 
 @pytest.mark.usefixtures("quick")
 def test_the_first_cause_is_told_and_cut_to_length(tmp_path):
-    changes = {
-        "product": "def product(q, r)\n    return q",
-        "norm": f"def norm(q):\n    raise ValueError('x' * {10**5})",
-    }
+    long = "def norm(q):\n    raise ValueError('x' * 100_000)"
+    changes = {"product": "def product(q, r)\n    return q", "norm": long}
     result = marked(Submission("ada", handed_in(NAME, tmp_path, changes), NAME), Limits())
     said = {mark["cell"]: mark["remark"] for mark in result.marks}
-    assert {said[name] for name in ("product-of-yours", "product-for-all", "reversal-law")} == {
-        "the answer above did not run to its end: SyntaxError: expected ':'"
-    } | {said["product-for-all"]}
-    assert "SyntaxError" in said["product-for-all"]
+    for name in ("product-of-yours", "product-for-all", "reversal-law"):
+        assert said[name].startswith("the answer above did not run to its end: SyntaxError: expected ':'")
     assert len(said["norm-of-all"]) == remarks.LONGEST

@@ -33,8 +33,7 @@ TRICKS = {
         "    def __eq__(self, other): return True\n    __hash__ = None\ndef norm(q):\n    return Any(1), Any(2)"
     ),
     "the class of dual quaternions is changed": (
-        "from kinlib import DualQuaternion\nnorm_ = DualQuaternion.norm\n"
-        "DualQuaternion.norm = lambda self: DualQuaternion([5, 0, 0, 0, 0, 0, 0, 0])"
+        "from kinlib import DualQuaternion\nDualQuaternion.inverse = lambda self: self"
     ),
     "what is withheld is copied": (
         "from types import FunctionType\nfrom kinlib import DualQuaternion\n"
@@ -47,24 +46,18 @@ TRICKS = {
         "def norm(q):\n    return tuple(int(x) for x in again(q).norm().coeffs[[0, 4]])"
     ),
     "another program uses kinlib": (
-        "import subprocess, sys, json\ndef norm(q):\n    text = f'import kinlib; n = kinlib.DualQuaternion({list(q)}).norm()"
-        ".coeffs; print([int(n[0]), int(n[4])])'\n"
+        "import subprocess, sys, json\ndef norm(q):\n    text = f'import kinlib; n = kinlib.DualQuaternion({list(q)})"
+        ".norm().coeffs; print([int(n[0]), int(n[4])])'\n"
         "    return json.loads(subprocess.run([sys.executable, '-c', text], capture_output=True, text=True).stdout)"
     ),
     "the id is set in the environment": "import os\nos.environ['KINLIB_STUDENT'] = 'emmy'",
-    "the function for the id is replaced": "import kinlib_assignments\nkinlib_assignments.student_id = lambda name: 'emmy'",
+    "the function for the id is replaced": (
+        "import kinlib_assignments\nkinlib_assignments.student_id = lambda name: 'emmy'"
+    ),
     "the test's own right answer is looked up": (
-        "import inspect\ndef norm(q):\n    frame = inspect.currentframe().f_back\n    return frame.f_globals.get('right', (5, 0))"
+        "import inspect\ndef norm(q):\n    frame = inspect.currentframe().f_back\n"
+        "    return frame.f_globals.get('right', (5, 0))"
     ),
-    "the solution is read": (
-        "import glob, os\nfor f in glob.glob(os.path.expanduser('~') + '/**/source/*/*.ipynb', recursive=True):\n    exec(f)"
-    ),
-    "marks are written": (
-        "from pathlib import Path\nfor p in Path.cwd().parents:\n    try:\n        (p / 'marks.json').write_text('[]')\n"
-        "    except OSError:\n        pass"
-    ),
-    "the process above is killed": "import os, signal\nif os.getpid() < 0: os.kill(os.getppid(), signal.SIGKILL)",
-    "a process is left behind": "import subprocess, sys\nif not q: subprocess.Popen([sys.executable], start_new_session=True)",
     "an answer is built by name": "globals()['no' + 'rm_'] = 1\nsetattr(norm, 'x', 1)",
 }
 
@@ -93,7 +86,7 @@ SEEN_BY_THE_KERNEL = [
 @pytest.mark.usefixtures("quick")
 @pytest.mark.parametrize("trick", SEEN_BY_THE_KERNEL)
 def test_what_is_replaced_is_seen_even_if_its_text_is_hidden(trick, tmp_path):
-    hidden = f"run_it = ex\\u0065c\nrun_it(bytes({list(TRICKS[trick].encode())}).decode())".replace("\\u0065", "e")
+    hidden = f"exec(bytes({list(TRICKS[trick].encode())}).decode())"
     one = Submission("ada", handed_in(NAME, tmp_path, {"norm": WRONG + hidden}), NAME)
     assert run.marked(one, run.Limits(cell=10)).seen
 
