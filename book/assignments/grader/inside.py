@@ -7,11 +7,14 @@ whether a wrong answer is still refused, and a digest of what the checks rely on
 
 def report(token):
     import builtins
+    import importlib
     import json
+    import pkgutil
     import sys
     from hashlib import sha256
     from types import CodeType, FunctionType
 
+    import kinlib_assignments
     from kinlib_assignments import student_id
     from kinlib_assignments.checks import assert_equal
 
@@ -32,7 +35,7 @@ def report(token):
         return {
             name: of_class(value) if isinstance(value, type) else of_thing(value)
             for name, value in vars(module).items()
-            if getattr(value, "__module__", "").split(".")[0] in ("kinlib", "kinlib_assignments")
+            if getattr(value, "__module__", None) == module.__name__ or not isinstance(value, type)
         }
 
     def of_shell():
@@ -48,6 +51,8 @@ def report(token):
             return token in str(error)
         return False
 
+    for module in pkgutil.iter_modules(kinlib_assignments.__path__):  # else what is imported later is not compared
+        importlib.import_module(f"kinlib_assignments.{module.name}")
     modules = {name: of_module(module) for name, module in sorted(sys.modules.items()) if name.startswith("kinlib")}
     parts = {name: sha256(repr(value).encode()).hexdigest()[:16] for name, value in modules.items()}
     parts["IPython"] = sha256(repr(of_shell()).encode()).hexdigest()[:16]

@@ -208,7 +208,7 @@ def run(runner: Runner, notebook: NotebookNode, folder: Path) -> str:
 def unlike(notebook: NotebookNode, tokens: list[str], student: str) -> list[str]:
     """What the kernel's answers before the first and after the last cell have to say about each other."""
     first, last = (answer(cell, token) for cell, token in zip(asked(notebook), tokens, strict=True))
-    if last is None:
+    if last is None or first is None:
         return [remarks.SILENT] if asked(notebook)[1].execution_count else []
     found = [remarks.CHANGED.format(what=name) for name in changed(first, last)]
     if last.get("student") != student.strip().casefold():

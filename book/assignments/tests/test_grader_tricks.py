@@ -100,3 +100,11 @@ def test_a_neighbours_file_is_seen_as_it_is_and_with_another_id(tmp_path):
     said = [one.what for one in look.findings(pair)]
     assert "the id that is written is 'emmy'" in said
     assert [words for words in said if "equal to those of emmy" in words]
+
+
+def test_in_a_kernel_that_starts_from_nothing_a_replaced_check_is_seen_too(tmp_path):
+    code = (
+        "from kinlib_assignments.dual_quaternions import assert_norm\nassert_norm.__code__ = (lambda *a: None).__code__"
+    )
+    one = Submission("ada", handed_in(NAME, tmp_path, {"norm": WRONG + code}), NAME)
+    assert [said for said in run.marked(one, run.Limits()).seen if "kinlib_assignments" in said]
