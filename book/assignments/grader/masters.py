@@ -8,14 +8,17 @@ from pathlib import Path
 import nbformat
 from nbformat import NotebookNode
 
+from grader import tables
+from grader.matching import is_answer, keys, matched
+
 HERE = Path(__file__).resolve().parents[1]
 SOURCE, RELEASE = HERE / "source", HERE / "release"
 ASSIGNMENTS = tuple(sorted(path.parent.name for path in SOURCE.glob("*/*.ipynb")))
 
 
 def read(path: Path) -> NotebookNode:
-    """A notebook in the present format, whatever version it was saved in."""
-    return nbformat.read(path, as_version=4)
+    """A notebook in the present format, whatever version and encoding it was saved in."""
+    return nbformat.reads(tables.decoded(path.read_bytes()), as_version=4)
 
 
 def source(assignment: str) -> Path:
@@ -30,11 +33,13 @@ def release(assignment: str) -> Path:
 
 def about(cell: NotebookNode) -> dict:
     """What nbgrader knows of a cell."""
-    return cell.metadata.get("nbgrader", {})
+    known = cell.metadata.get("nbgrader", {})
+    return known if isinstance(known, dict) else {}
 
 
 def name_of(cell: NotebookNode) -> str | None:
-    return about(cell).get("grade_id")
+    name = about(cell).get("grade_id")
+    return name if isinstance(name, str) else None
 
 
 def names(notebook: NotebookNode) -> set[str]:
@@ -56,31 +61,29 @@ def assembled(master: NotebookNode, blank: NotebookNode, submission: NotebookNod
 
     All that is not the student's comes from the master, hidden tests included: tests that were changed, moved or
     deleted are as they were, and an answer that is missing is blank.  The student's own code cells stay after the cell
-    that they followed.
+    that they followed.  An answer that has lost its name is found again, see `grader.matching`.
     """
-    given, empty, own = answers(submission), answers(blank), own_cells(submission, names(master))
+    found = matched(blank, master, submission, name_of)
+    given = {key: cell.source for key, cell in zip(found, submission.cells, strict=True) if key is not None}
+    own = own_cells(submission, found, names(master))
     cells = own.get(None, [])
-    for cell in deepcopy(master.cells):
-        name = name_of(cell)
-        if name in empty:
-            cell.source = given.get(name, empty[name])
-        cells += [cell, *own.get(name, [])] if name else [cell]
+    for key, cell, stub in zip(keys(blank, name_of), deepcopy(master.cells), blank.cells, strict=True):
+        if about(cell).get("solution"):
+            cell.source = given.get(key, stub.source)
+        cells += [cell, *own.get(key, [])]
     metadata = {"kernelspec": master.metadata.kernelspec}
     return nbformat.v4.new_notebook(cells=[cleared(cell) for cell in cells], metadata=metadata)
 
 
-def own_cells(submission: NotebookNode, known: set[str]) -> dict[str | None, list[NotebookNode]]:
-    """The code cells that a student added, by the name of the cell of the assignment before them."""
-    own: dict[str | None, list[NotebookNode]] = {}
-    seen: set[str] = set()
+def own_cells(submission: NotebookNode, found: list, known: set[str]) -> dict[str | int | None, list[NotebookNode]]:
+    """The code cells that a student added, by the cell of the assignment before them; second copies of tests go."""
+    own: dict[str | int | None, list[NotebookNode]] = {}
     before = None
-    for cell in submission.cells:
-        name = name_of(cell)
-        if name in known - seen:
-            seen.add(name)
-            before = name
-        elif cell.cell_type == "code" and cell.source.strip() and (name not in known or about(cell).get("solution")):
-            own.setdefault(before, []).append(nbformat.v4.new_code_cell(cell.source))
+    for key, cell in zip(found, submission.cells, strict=True):
+        if key is not None:
+            before = key
+        elif cell.cell_type == "code" and cell.source.strip() and (name_of(cell) not in known or is_answer(cell)):
+            own.setdefault(before, []).append(nbformat.v4.new_code_cell(cell.source, metadata={"own": True}))
     return own
 
 

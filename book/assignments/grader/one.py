@@ -1,113 +1,282 @@
-"""Marks one notebook; runs in a process of its own: ``python -m grader.one`` reads an order in JSON."""
+"""Marks one notebook; runs in a process of its own: ``python -m grader.one`` reads an order in JSON and writes marks.
+
+The submission's kernel is another process, in a box if there is one.  What it can reach is its own outputs: marks are
+made here, from these, and go out by a way that no other process has.
+"""
 
 from __future__ import annotations
 
-import contextlib
 import json
-import re
+import math
+import os
 import resource
+import secrets
+import shutil
 import sys
+import tempfile
+import threading
+import time
 from pathlib import Path
 
+import nbformat
+import psutil
 from nbclient.exceptions import CellTimeoutError, DeadKernelError
 from nbformat import NotebookNode
 from nbgrader.preprocessors import Execute
 from nbgrader.utils import determine_grade, is_grade
 from nbgrader.utils import is_solution as is_answer
 
-from grader import masters
+from grader import box, masters, remarks
 
-TOO_SLOW = "took longer than {seconds} s, so it was stopped"
-TOO_LARGE = "used more memory than there is"
-NOT_DONE = "not answered yet: a line raise NotImplementedError() is left"
-NOT_RUN = "was not run, since an earlier cell ended Python, used up its memory or could not be stopped"
+ROOM = 256  # megabytes of files
+LETTERS = 1_000_000  # of what one cell prints
+INSIDE = Path(__file__).with_name("inside.py")
 
 
-def marks(assignment: str, submission: Path, folder: Path, seconds: int) -> list[dict]:
-    """The marks of each graded cell: name, points, mark (None where a person decides), remark, answer.
+class OutOfTimeError(Exception):
+    """The time for the whole notebook is used up."""
 
-    Parameters
-    ----------
-    assignment : str
-    submission : Path
-        The student's notebook.
-    folder : Path
-        Where the notebook is run.
-    seconds : int
-        How long a cell may take.
+
+class Runner(Execute):
+    """Runs the cells of a notebook in a kernel of `grader.box`, and notes what ended it before its end."""
+
+    def __init__(self, kernel: type, limits: dict):
+        super().__init__(kernel_manager_class=kernel, startup_timeout=120, iopub_timeout=8)
+        self.limits, self.ready, self.ended, self.slow, self.spent = limits, False, "", [], 0
+        self.deadline = time.monotonic() + limits["all"]
+
+    def preprocess_cell(self, cell, resources, index):
+        """Run a cell within what is left of the time."""
+        left = self.deadline - time.monotonic()
+        if left <= 0:
+            raise OutOfTimeError
+        self.timeout, self.spent = math.ceil(min(self.limits["cell"], left)), 0
+        before, began = waited(self.pid), time.monotonic()
+        try:
+            done = super().preprocess_cell(cell, resources, index)
+        finally:
+            if time.monotonic() - began >= self.timeout:
+                self.slow.append(waited(self.pid) - before > 0.2 * self.timeout)
+        self.ready = True
+        return done
+
+    def output(self, outs, msg, display_id, cell_index):
+        """Take an output in, until the cell has said enough."""
+        self.spent += len(json.dumps(msg["content"], default=str))
+        return super().output(outs, msg, display_id, cell_index) if self.spent < LETTERS else None
+
+    @property
+    def pid(self) -> int | None:
+        process = getattr(getattr(self.km, "provisioner", None), "process", None)
+        return process and process.pid
+
+
+def waited(pid: int | None) -> float:
+    """The seconds for which a kernel's processes were ready to work but had no processor."""
+    nanoseconds = 0
+    for process in box.family(pid):
+        for thread in Path(f"/proc/{process.pid}/task").glob("*/schedstat"):
+            try:
+                nanoseconds += int(thread.read_text().split()[1])
+            except OSError:  # it has just ended
+                continue
+    return nanoseconds / 1e9
+
+
+class Watch(threading.Thread):
+    """Ends a kernel that uses more memory, processes or room for files than there is."""
+
+    def __init__(self, runner: Runner, folder: Path):
+        super().__init__(daemon=True)
+        self.runner, self.folder, self.done, self.most = runner, folder, threading.Event(), 0
+
+    def run(self) -> None:
+        while not self.done.wait(0.25):
+            self.look()
+
+    def look(self) -> None:
+        members = box.family(self.runner.pid)
+        self.most = max(self.most, len(members))
+        too_much = self.too_much(members)
+        if too_much:
+            self.runner.ended = self.runner.ended or too_much
+            for member in members:
+                end(member)
+
+    def too_much(self, members: list[psutil.Process]) -> str:
+        if sum(map(memory, members)) > self.runner.limits["megabytes"] * 2**20:
+            return remarks.TOO_LARGE
+        if len(members) > self.runner.limits["processes"]:
+            return remarks.TOO_MANY
+        size = sum(path.lstat().st_size for path in self.folder.rglob("*") if path.is_file())
+        return remarks.TOO_FULL if size > ROOM * 2**20 else ""
+
+
+def memory(process: psutil.Process) -> int:
+    try:
+        return process.memory_info().rss
+    except psutil.Error:
+        return 0
+
+
+def end(process: psutil.Process) -> None:
+    try:
+        process.kill()
+    except psutil.Error:  # it has just ended
+        return
+
+
+def carry_out(order: dict) -> dict:
+    """Mark a submission as ordered.
+
+    The answer holds ``marks`` (for each graded cell: name, points, mark (None where a person decides), remark, answer,
+    and whether it is untouched), ``remark`` on the notebook as a whole, ``failure`` if the machine failed and not the
+    notebook, ``doubt`` if it should be run again with the machine to itself, and ``seen``: what a teacher should see.
     """
-    master, blank = masters.read(masters.source(assignment)), masters.read(masters.release(assignment))
-    notebook = masters.assembled(master, blank, masters.read(submission))
-    executed(notebook, folder, seconds)
-    found, answer = [], ""
-    for cell in notebook.cells:
-        answer = cell.source if is_answer(cell) else answer
-        if is_grade(cell):
-            found.append({**judged(cell, masters.answers(blank), seconds), "answer": answer})
+    master, blank = (
+        masters.read(masters.source(order["assignment"])),
+        masters.read(masters.release(order["assignment"])),
+    )
+    notebook = masters.assembled(master, blank, masters.read(Path(order["submission"])))
+    until(notebook, order.get("question"))
+    tokens = [secrets.token_hex(8) for _ in range(2)]
+    notebook.cells = [asking(tokens[0]), *notebook.cells, asking(tokens[1])]
+    result = {"marks": [], "remark": "", "failure": "", "doubt": "", "seen": []}
+    result |= executed(notebook, order)
+    if not result["failure"]:
+        result["seen"] += unlike(notebook, tokens, order["student"])
+        result["marks"] = list(marks(notebook, masters.answers(blank), order["limits"]["cell"], result["because"]))
+    return result
+
+
+def until(notebook: NotebookNode, question: str | None) -> None:
+    """Leave out what comes after a question."""
+    numbers = [n for n, cell in enumerate(notebook.cells) if question and masters.name_of(cell) == question]
+    if numbers:
+        del notebook.cells[numbers[0] + 1 :]
+
+
+def asking(token: str) -> NotebookNode:
+    """A cell that prints what `grader.inside` reports, and leaves nothing behind."""
+    text = INSIDE.read_text(encoding="utf-8") + f"\nprint(report({token!r}))\n"
+    return nbformat.v4.new_code_cell(f"exec({text!r}, {{}})", metadata={"asking": True})
+
+
+def executed(notebook: NotebookNode, order: dict) -> dict:
+    """Run all cells in place; what raises is recorded in its cell, what never ends is stopped."""
+    limits, home = order["limits"], Path(order["folder"])
+    sockets = Path(tempfile.mkdtemp(prefix="kernel-", dir=box.SOCKETS if order["boxed"] else order["place"]))
+    seen = {Path(path): Path(real) for path, real in order["packages"].items()}
+    before = box.around(home, seen, sockets, ROOM) if order["boxed"] else []
+    runner = Runner(box.kernel_class(before, order["surroundings"], sockets), limits)
+    watch = Watch(runner, sockets if order["boxed"] else home)
+    watch.start()
+    try:
+        ended = run(runner, notebook, home)
+    finally:
+        watch.done.set()
+        said = sockets.with_suffix(".said")
+        complaint = said.read_text(errors="replace").strip()[-300:] if said.exists() else ""
+        said.unlink(missing_ok=True)
+        shutil.rmtree(sockets, ignore_errors=True)
+    if not runner.ready:
+        return {"failure": remarks.cut(f"{ended}; {complaint}" if complaint else ended)}
+    usual = 3 if order["boxed"] else 1
+    more = [remarks.STARTED.format(count=watch.most - usual)] if watch.most > usual else []
+    doubt = remarks.LOADED if any(runner.slow) else "died" if ended == "died" and not runner.ended else ""
+    remark = remarks.STOPPED.format(seconds=limits["all"]) if ended == "stopped" else ""
+    return {"doubt": doubt, "remark": remark, "seen": more, "because": runner.ended}
+
+
+def run(runner: Runner, notebook: NotebookNode, folder: Path) -> str:
+    """Run a notebook, and say what ended it before its end."""
+    try:
+        runner.preprocess(notebook, {"metadata": {"path": str(folder)}})
+    except OutOfTimeError:
+        return "stopped"
+    except DeadKernelError:
+        return "died"
+    except CellTimeoutError:
+        return "stuck"
+    except Exception as error:  # whatever can happen to a kernel that starts
+        if runner.ready and not isinstance(error, RuntimeError | OSError):
+            raise
+        return f"{type(error).__name__}: {error}"
+    return "stopped" if time.monotonic() > runner.deadline else ""
+
+
+def unlike(notebook: NotebookNode, tokens: list[str], student: str) -> list[str]:
+    """What the kernel's answers before the first and after the last cell have to say about each other."""
+    first, last = (answer(cell, token) for cell, token in zip(asked(notebook), tokens, strict=True))
+    if last is None or first is None:
+        return [remarks.SILENT] if asked(notebook)[1].execution_count else []
+    found = [remarks.CHANGED.format(what=name) for name in changed(first, last)]
+    if last.get("student") != student.strip().casefold():
+        found.append(remarks.WHOSE.format(student=last.get("student")))
+    if last.get("refuses") is not True:
+        found.append(remarks.ACCEPTS)
     return found
 
 
-def executed(notebook: NotebookNode, folder: Path, seconds: int) -> None:
-    """Run all cells in place; what raises is recorded in its cell, what never ends is stopped."""
-    runner = Execute(timeout=seconds, startup_timeout=120)
-    # The cells after one that ended Python were not run, and are judged so.
-    with contextlib.suppress(DeadKernelError, CellTimeoutError):
-        runner.preprocess(notebook, {"metadata": {"path": str(folder)}})
+def asked(notebook: NotebookNode) -> list[NotebookNode]:
+    return [cell for cell in notebook.cells if cell.metadata.get("asking")]
 
 
-def judged(cell: NotebookNode, empty: dict[str, str], seconds: int) -> dict:
-    """The marks of one cell that was run, by nbgrader's rule, but a warning costs nothing."""
-    name, points = masters.name_of(cell), float(masters.about(cell)["points"])
-    result = {"cell": name, "points": points, "mark": 0.0, "remark": ""}
+def answer(cell: NotebookNode, token: str) -> dict | None:
+    """What a kernel answered."""
+    said = "".join(output.get("text", "") for output in cell.outputs if output.get("name") == "stdout")
+    try:
+        found = json.loads(said.strip().splitlines()[-1])
+    except (ValueError, IndexError):
+        return None
+    return found if isinstance(found, dict) and found.get("token") == token else None
+
+
+def changed(first: dict | None, last: dict) -> list[str]:
+    """The parts of the machinery that are not as they were."""
+    parts = (first or {}).get("parts", {}), last.get("parts", {})
+    if not all(isinstance(one, dict) for one in parts):
+        return ["the answer about it"]
+    return [name for name, digest in parts[0].items() if parts[1].get(name) != digest]
+
+
+def marks(notebook: NotebookNode, empty: dict[str, str], seconds: int, because: str):
+    """The mark of each graded cell that was run, by nbgrader's rule, but a warning costs nothing."""
+    answers = []
+    for number, cell in enumerate(notebook.cells):
+        if is_answer(cell):
+            answers = [cell]
+        if is_grade(cell):
+            blank = bool(answers) and answers[0].source.strip() == empty[masters.name_of(answers[0])].strip()
+            found = judged(cell, blank, notebook.cells[:number], seconds, because)
+            yield {**found, "answer": answers[0].source if answers else "", "untouched": blank}
+
+
+def judged(cell: NotebookNode, blank: bool, before: list[NotebookNode], seconds: int, because: str) -> dict:
+    result = {
+        "cell": masters.name_of(cell),
+        "points": float(masters.about(cell)["points"]),
+        "mark": 0.0,
+        "remark": "",
+    }
     if is_answer(cell):
-        blank = cell.source.strip() == empty[name].strip()
-        return {**result, "remark": "nothing was written"} if blank else {**result, "mark": None}
+        return {**result, "remark": remarks.NOTHING} if blank else {**result, "mark": None}
     if cell.execution_count is None:
-        return {**result, "remark": NOT_RUN}
+        return {**result, "remark": f"{remarks.NOT_RUN} ({because})" if because else remarks.NOT_RUN}
     cell.outputs = [output for output in cell.outputs if output.get("name") != "stderr"]
-    return {**result, "mark": determine_grade(cell)[0], "remark": complaint(cell, seconds)}
-
-
-def complaint(cell: NotebookNode, seconds: int) -> str:
-    """What the last error of a cell says."""
-    errors = [output for output in cell.outputs if output.output_type == "error"]
-    if not errors:
-        return ""
-    kind, said = errors[-1].ename, errors[-1].evalue
-    if kind in ("CellTimeoutError", "KeyboardInterrupt"):
-        return TOO_SLOW.format(seconds=seconds)
-    if kind == "NotImplementedError":
-        return NOT_DONE
-    if kind == "MemoryError":
-        return TOO_LARGE
-    if kind == "AssertionError" and said:
-        return plain(said)
-    return plain(f"{kind}: {said}" if said else f"{kind} in line {line_of(errors[-1])}")
-
-
-def line_of(error: NotebookNode) -> str:
-    """The text of the line in which an error without words was raised."""
-    arrows = re.findall(r"^-+> *\d+ (.*)$", plain("\n".join(error.traceback)), re.MULTILINE)
-    return repr(arrows[0].strip()) if arrows else "?"
-
-
-def plain(text: str) -> str:
-    """A text without the terminal's colours."""
-    return re.sub(r"\x1b\[[0-9;]*m", "", text).strip()
-
-
-def carry_out(order: dict) -> None:
-    """Mark a submission as ordered, and write its marks down."""
-    found = marks(order["assignment"], Path(order["submission"]), Path(order["folder"]), order["seconds"])
-    Path(order["result"]).write_text(json.dumps(found), encoding="utf-8")
+    return {**result, "mark": determine_grade(cell)[0], "remark": remarks.complaint(cell, before, seconds)}
 
 
 def main() -> None:
     order = json.load(sys.stdin)
-    limit = order["megabytes"] * 2**20
+    way_out = os.fdopen(os.dup(sys.stdout.fileno()), "w", encoding="utf-8")  # no other process inherits it
+    os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+    limit = order["limits"]["megabytes"] * 2**20
     resource.setrlimit(resource.RLIMIT_AS, (limit, limit))
+    resource.setrlimit(resource.RLIMIT_FSIZE, (ROOM * 2**20, ROOM * 2**20))
     resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
-    carry_out(order)
+    with way_out:
+        json.dump(carry_out(order), way_out)
 
 
 if __name__ == "__main__":

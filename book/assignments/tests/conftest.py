@@ -1,11 +1,9 @@
 """A grader of submissions: of many, whose kernels start at once, or of some, the way teachers go."""
 
-import os
-
 import pytest
 
 import warm_kernels
-from grader import one, run
+from grader import box, one, run
 from grader.collect import Submission
 from submissions import handed_in
 
@@ -33,16 +31,11 @@ def warm():
 def quick(warm, monkeypatch):
     """The grader, but it works in this process, and its kernels are forked from one that has imported everything.
 
-    Each submission has a kernel of its own as before, in the same surroundings, but for the limit of memory.
+    Each submission has a kernel of its own as before, but no box and no limit of memory.
     """
 
-    def run_here(order: dict, environment: dict[str, str], seconds: int) -> str:
-        with monkeypatch.context() as patch:
-            patch.setattr(os, "environ", environment)
-            one.carry_out(order)
-        return ""
-
-    monkeypatch.setattr(run, "run", run_here)
+    monkeypatch.setattr(run, "run", lambda order, seconds: one.carry_out(order))
+    monkeypatch.setattr(box, "bubblewrap", lambda: None)
     monkeypatch.setattr("jupyter_client.provisioning.local_provisioner.launch_kernel", warm_kernels.launch)
 
 

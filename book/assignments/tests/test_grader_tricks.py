@@ -1,0 +1,110 @@
+"""Marks for nothing: each trick gives none, or shows in the list of what is to be looked at."""
+
+import pytest
+
+from grader import look, masters, run
+from grader.collect import Submission
+from submissions import handed_in
+
+NAME = "dual_quaternions"
+WRONG = "def norm(q):\n    return 5, 0\n"  # loses the marks of norm-of-all
+
+# What is written in the cell of the norm: the answer is wrong, and something is done about it.
+TRICKS = {
+    "a check is replaced": "import kinlib_assignments.checks as c\nc.assert_equal = lambda *a, **k: None",
+    "a check's code is replaced": (
+        "from kinlib_assignments.dual_quaternions import assert_norm\n"
+        "assert_norm.__code__ = (lambda *a, **k: None).__code__"
+    ),
+    "an assertion error that is never raised": (
+        "import kinlib_assignments.checks as c\nclass AssertionError(Exception): pass\nc._agree = lambda *a: True"
+    ),
+    "asserts are taken out of the text": (
+        "import ast\nclass Out(ast.NodeTransformer):\n    def visit_Expr(self, node): return ast.Pass()\n"
+        "get_ipython().ast_transformers.append(Out())"
+    ),
+    "the input is emptied": "get_ipython().input_transformers_cleanup.append(lambda lines: ['pass\\n'])",
+    "cells are no longer run": (
+        "shell = get_ipython()\nrun = shell.run_cell\nshell.run_cell = lambda text, *a, **k: run('pass', *a, **k)"
+    ),
+    "kinlib says that all is zero": "import kinlib_assignments.checks as c\nc.is_zero = lambda *a, **k: True",
+    "objects are equal to everything": (
+        "class Any(int):\n    def __sub__(self, other): return 0\n    __rsub__ = __sub__\n"
+        "    def __eq__(self, other): return True\n    __hash__ = None\ndef norm(q):\n    return Any(1), Any(2)"
+    ),
+    "the class of dual quaternions is changed": (
+        "from kinlib import DualQuaternion\nDualQuaternion.inverse = lambda self: self"
+    ),
+    "what is withheld is copied": (
+        "from types import FunctionType\nfrom kinlib import DualQuaternion\n"
+        "n, m = DualQuaternion.norm, DualQuaternion.__mul__\nmine = FunctionType(n.__code__, n.__globals__)\n"
+        "def norm(q):\n    return tuple(mine(DualQuaternion(q)).coeffs[[0, 4]])"
+    ),
+    "what is withheld is imported a second time": (
+        "import sys, importlib\nkept = {n: sys.modules.pop(n) for n in [*sys.modules] if n.split('.')[0] == 'kinlib'}\n"
+        "again = importlib.import_module('kinlib').DualQuaternion\nsys.modules.update(kept)\n"
+        "def norm(q):\n    return tuple(int(x) for x in again(q).norm().coeffs[[0, 4]])"
+    ),
+    "another program uses kinlib": (
+        "import subprocess, sys, json\ndef norm(q):\n    text = f'import kinlib; n = kinlib.DualQuaternion({list(q)})"
+        ".norm().coeffs; print([int(n[0]), int(n[4])])'\n"
+        "    return json.loads(subprocess.run([sys.executable, '-c', text], capture_output=True, text=True).stdout)"
+    ),
+    "the id is set in the environment": "import os\nos.environ['KINLIB_STUDENT'] = 'emmy'",
+    "the function for the id is replaced": (
+        "import kinlib_assignments\nkinlib_assignments.student_id = lambda name: 'emmy'"
+    ),
+    "the test's own right answer is looked up": (
+        "import inspect\ndef norm(q):\n    frame = inspect.currentframe().f_back\n"
+        "    return frame.f_globals.get('right', (5, 0))"
+    ),
+    "an answer is built by name": "globals()['no' + 'rm_'] = 1\nsetattr(norm, 'x', 1)",
+}
+
+
+@pytest.mark.usefixtures("quick")
+@pytest.mark.parametrize("trick", TRICKS)
+def test_a_trick_gives_nothing_or_is_seen(trick, tmp_path):
+    one = Submission("ada", handed_in(NAME, tmp_path, {"norm": WRONG + TRICKS[trick]}), NAME)
+    result = run.marked(one, run.Limits(cell=10))
+    assert not result.failed, result.remark
+    marks = {mark["cell"]: mark["mark"] for mark in result.marks}
+    seen = look.findings([result])
+    assert seen, f"not seen, and {marks['norm-of-all']} points"
+
+
+SEEN_BY_THE_KERNEL = [
+    "a check is replaced",
+    "a check's code is replaced",
+    "asserts are taken out of the text",
+    "cells are no longer run",
+    "the class of dual quaternions is changed",
+    "the id is set in the environment",
+]
+
+
+@pytest.mark.usefixtures("quick")
+@pytest.mark.parametrize("trick", SEEN_BY_THE_KERNEL)
+def test_what_is_replaced_is_seen_even_if_its_text_is_hidden(trick, tmp_path):
+    hidden = f"exec(bytes({list(TRICKS[trick].encode())}).decode())"
+    one = Submission("ada", handed_in(NAME, tmp_path, {"norm": WRONG + hidden}), NAME)
+    assert run.marked(one, run.Limits(cell=10)).seen
+
+
+def test_a_neighbours_file_is_seen_as_it_is_and_with_another_id(tmp_path):
+    path = handed_in(NAME, tmp_path, {"student": 'student = "emmy"'})
+    answers = masters.answers(masters.read(path))
+    mark = {"points": 2.0, "mark": 2.0, "remark": "", "untouched": False}
+    marks = [{**mark, "cell": name, "answer": f"{text}\nown = {[*range(50)]}"} for name, text in answers.items()]
+    pair = [run.Result(Submission(name, path, NAME), marks) for name in ("ada", "emmy")]
+    said = [one.what for one in look.findings(pair)]
+    assert "the id that is written is 'emmy'" in said
+    assert [words for words in said if "equal to those of emmy" in words]
+
+
+def test_in_a_kernel_that_starts_from_nothing_a_replaced_check_is_seen_too(tmp_path):
+    code = (
+        "from kinlib_assignments.dual_quaternions import assert_norm\nassert_norm.__code__ = (lambda *a: None).__code__"
+    )
+    one = Submission("ada", handed_in(NAME, tmp_path, {"norm": WRONG + code}), NAME)
+    assert [said for said in run.marked(one, run.Limits()).seen if "kinlib_assignments" in said]
