@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+import math
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any, NamedTuple
@@ -19,6 +20,9 @@ __all__ = ["Collision", "CollisionFault", "Collisions", "clearances", "collision
 
 ONE_ROOT = 1e-4
 """Roots that are nearer than this angle count as one: so far can rounding move a double or a triple root."""
+
+NEARLY = 1e-3
+"""Bars that are nearer than this, in units of the size, at a root of the polynomial may meet next to it."""
 
 SOMEWHERE = np.array([0.36, 0.48, 0.8])
 """A direction for a bar of length zero: its line may be any one through its point."""
@@ -224,9 +228,8 @@ class _Lines:
     def collisions(self, rtol: float) -> Found:
         """Where the pieces themselves meet."""
         rows, angle, odd = self._roots()
-        bars = self.bars.pick(rows)
-        first, second = self.first[..., rows], bars.moved(self.pair, self.second[..., rows], angle)
-        ends = first[:, 0], first[:, 1], second[:, 0], second[:, 1]
+        angle = self._nearest(rows, angle, rtol)
+        bars, ends = self.bars.pick(rows), self._ends(rows, angle)
         gap, s, r = distance(*ends)
         near = gap <= rtol * bars.size
         u, v = ends[1] - ends[0], ends[3] - ends[2]
@@ -238,6 +241,21 @@ class _Lines:
         links = np.broadcast_to(sorted(self.pair[:2]), (len(rows), 2))
         found = Found(rows, angle, links, point.T, odd & across & inside[0] & inside[1])
         return Found(*(column[near] for column in found))
+
+    def _ends(self, rows: Array, angle: Array) -> tuple[Array, Array, Array, Array]:
+        """The ends of the two pieces at φ."""
+        second = self.bars.pick(rows).moved(self.pair, self.second[..., rows], angle)
+        return self.first[:, 0, rows], self.first[:, 1, rows], second[:, 0], second[:, 1]
+
+    def _nearest(self, rows: Array, angle: Array, rtol: float) -> Array:
+        """The angles, improved where the pieces nearly meet: next to fast turns rounding moves the roots."""
+        gap = distance(*self._ends(rows, angle))[0] / self.bars.size[rows]
+        poor = (gap > rtol / 10) & (gap < NEARLY)
+        if poor.any():
+            some, start = rows[poor], angle[poor]
+            angle = angle.copy()
+            angle[poor] = narrowed(lambda x: distance(*self._ends(some, x))[0], start - NEARLY, start + NEARLY)[0]
+        return angle % np.pi
 
     def _roots(self) -> tuple[Array, Array, Array]:
         """The roots φ, each once: row, angle, and whether the polynomial changes sign there."""
@@ -342,16 +360,16 @@ def clearances(bars: MovingBars, joints: Sequence[int], rtol: float) -> Array:
     """The least distances of bars that share no joint, shape (rows,), over one full turn.
 
     Branch and bound: an interval of φ where no bar can come nearer than what was found elsewhere, less rtol times the
-    size, is left out; the others are halved.  What was found is then improved.
+    size, is left out; the others are halved.  What was found is then improved.  Where the bars are known to meet there
+    is nothing to search.
     """
-    least = np.full(len(bars.size), np.nan)
-    defined = np.flatnonzero(bars.defined)
+    least = np.where(bars.defined, np.inf, np.nan)
     pairs = pairs_without_joint(joints)
-    inner = bars.pick(defined)
-    if pairs and len(defined):
-        least[defined] = _Search(inner, pairs, rtol).run()
-    elif len(defined):
-        least[defined] = np.inf
+    count = collisions_in_floats(bars, joints, least.shape, degenerate="nan").count
+    least[np.asarray(count) > 0] = 0.0
+    free = np.flatnonzero(least == np.inf)
+    if pairs and len(free):
+        least[free] = _Search(bars.pick(free), pairs, rtol).run()
     return least
 
 
@@ -409,16 +427,22 @@ class _Search:
                 self.best[rows] = np.minimum(self.best[rows], self._narrowed(pair, rows))
 
     def _narrowed(self, pair: Pair, rows: Array) -> Array:
-        bars, golden = self.bars.pick(rows), (np.sqrt(5) - 1) / 2
-        low, high = self.where[rows] - 2 * self.half[rows], self.where[rows] + 2 * self.half[rows]
-        a, b = high - golden * (high - low), low + golden * (high - low)
-        at_a, at_b = bars.distance(pair, a), bars.distance(pair, b)
-        for _ in range(36):
-            left = at_a < at_b
-            low, high = np.where(left, low, a), np.where(left, b, high)
-            new = np.where(left, high - golden * (high - low), low + golden * (high - low))
-            value = bars.distance(pair, new)
-            a, b, at_a, at_b = (
-                np.where(left, new, b), np.where(left, a, new), np.where(left, value, at_b), np.where(left, at_a, value),
-            )  # fmt: skip
-        return np.minimum(at_a, at_b)
+        bars, half = self.bars.pick(rows), 2 * self.half[rows]
+        return narrowed(lambda angle: bars.distance(pair, angle), self.where[rows] - half, self.where[rows] + half)[1]
+
+
+GOLDEN = (math.sqrt(5) - 1) / 2
+
+
+def narrowed(function: Callable[[Array], Array], low: Array, high: Array, steps: int = 40) -> tuple[Array, Array]:
+    """Where a function with one dip between low and high is least, and its value, by golden sections."""
+    a, b = high - GOLDEN * (high - low), low + GOLDEN * (high - low)
+    at_a, at_b = function(a), function(b)
+    for _ in range(steps):
+        left = at_a < at_b
+        low, high = np.where(left, low, a), np.where(left, b, high)
+        new = np.where(left, high - GOLDEN * (high - low), low + GOLDEN * (high - low))
+        value = function(new)
+        a, b = np.where(left, new, b), np.where(left, a, new)
+        at_a, at_b = np.where(left, value, at_b), np.where(left, at_a, value)
+    return np.where(at_a < at_b, a, b), np.minimum(at_a, at_b)
