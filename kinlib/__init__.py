@@ -2,6 +2,7 @@
 
 from kinlib.bennett import bennett_linkage
 from kinlib.chain import Chain, DHRow
+from kinlib.collision import Collision, CollisionFault, Collisions
 from kinlib.displacement import (
     act,
     as_matrix,
@@ -46,6 +47,9 @@ __all__ = [
     "NULL_CONE",
     "STUDY_QUADRIC",
     "Chain",
+    "Collision",
+    "CollisionFault",
+    "Collisions",
     "DHRow",
     "DegenerateError",
     "DualQuaternion",

@@ -10,11 +10,11 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from kinlib.chain import batch_index
+from kinlib.chain import Lines, batch_index, first_row
 from kinlib.errors import Fault, report_faults
 from kinlib.moving_bars import MovingBars, Pair, cross, distance, dot, pairs_without_joint
-from kinlib.scalar import RTOL, as_text
-from kinlib.typing import Array, Degenerate, Scalars
+from kinlib.scalar import RTOL, as_float, as_scalars, as_text
+from kinlib.typing import Array, ArrayLike, Degenerate, Scalars
 
 __all__ = ["Collision", "CollisionFault", "Collisions", "clearances", "collisions_in_floats"]
 
@@ -129,6 +129,52 @@ def _in_words(hit: Collision) -> str:
     t = as_text(float(hit.t)).replace("inf", "∞")
     place = ", ".join(as_text(float(x) + 0.0) for x in hit.point)
     return f"t = {t}, links {hit.links[0]} and {hit.links[1]} {'cross' if hit.crossing else 'touch'} at ({place})"
+
+
+OFF_AXIS = 1e-6
+"""How far the end of a bar may be from its axis, in units of the size of the chain and of where the bars are."""
+
+
+def checked_bars(bars: ArrayLike, lines: Lines) -> Array:
+    """Bars that a user gives, shape (..., n, m, 3), with the two ends of each on the axes that it joins.
+
+    Raises
+    ------
+    ValueError
+        If the shape is another, or an end lies beside its axis.
+    """
+    points, (*_, count, _) = as_scalars(bars), lines.directions.shape
+    if points.ndim < 3 or points.shape[-3] != count or points.shape[-2] < 2 or points.shape[-1] != 3:
+        raise ValueError(
+            f"expected the points of {count} bars, at least two for each: shape (..., {count}, m, 3), "
+            f"got {points.shape}"
+        )
+    seen = as_float(points) - lines.middle[..., None, None, :]
+    size = np.maximum(lines.length, np.abs(seen).max(axis=(-3, -2, -1)))[..., None] + lines.noise[..., None]
+    for end, shift, words in ((0, 1, "first"), (-1, 0, "last")):
+        directions, feet = (np.roll(x, shift, axis=-2) for x in (lines.directions, lines.points))
+        off = np.linalg.norm(np.cross(seen[..., end, :] - feet, directions), axis=-1) / size
+        if np.any(off > OFF_AXIS):
+            row, named = first_row((off > OFF_AXIS).any(axis=-1))
+            link = int(np.nanargmax(off[row]))
+            raise ValueError(
+                f"{named}expected the {words} point of the bar of link {link} on axis {(link - shift) % count + 1}, but "
+                f"it is off by {off[row][link] * size[row][0]:.3g}: bars go from axis to axis, link 0 from the last to "
+                "the first"
+            )
+    return points
+
+
+def listed_collisions(hits: Sequence[Sequence[Collision]], shape: tuple[int, ...], undefined: Array) -> Collisions:
+    """The collisions of a batch of that shape, from those of each row."""
+    rows = np.repeat(np.arange(len(hits)), [len(row) for row in hits])
+    flat = [hit for row in hits for hit in row]
+    t, point = np.empty(len(flat), dtype=object), np.empty((len(flat), 3), dtype=object)
+    for n, hit in enumerate(flat):
+        t[n], point[n] = hit.t, hit.point
+    links = np.array([hit.links for hit in flat], dtype=int).reshape(-1, 2)
+    crossing = np.array([hit.crossing for hit in flat], dtype=bool)
+    return wrap_collisions(Found(rows, t, links, point, crossing), shape, undefined)
 
 
 def wrap_collisions(found: Found, shape: tuple[int, ...], undefined: Array) -> Collisions:

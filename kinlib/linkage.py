@@ -14,17 +14,27 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from kinlib.chain import Chain, DHRow, batch_index, count_or_nan, first_row, html_table, plain
+from kinlib.collision import (
+    CollisionFault,
+    Collisions,
+    checked_bars,
+    clearances,
+    collisions_in_floats,
+    listed_collisions,
+)
 from kinlib.displacement import act, axis_of, unit
 from kinlib.dual_quaternion import DualQuaternion, null_form, one, study_form
-from kinlib.errors import DegenerateError
+from kinlib.errors import DegenerateError, check_degenerate, report_faults
+from kinlib.exact_collision import exact_bars, exact_collisions
 from kinlib.factorization import divide_by_quadratic, quadratic_of
 from kinlib.motion_polynomial import MotionPolynomial, RationalCurve, evaluate
+from kinlib.moving_bars import MovingBars
 from kinlib.polishing import product_of
 from kinlib.poses import as_pose
 from kinlib.projective import null_space
 from kinlib.rows import broadcast
 from kinlib.scalar import ROUNDING, RTOL, as_float, as_scalars, is_exact, is_zero, size
-from kinlib.typing import Array, ArrayLike, PointLike, PoseLike, ScalarLike
+from kinlib.typing import Array, ArrayLike, Degenerate, PointLike, PoseLike, ScalarLike
 
 __all__ = ["Linkage"]
 
@@ -348,6 +358,102 @@ class Linkage:
     def _samples(self) -> list[Array]:
         """General values of t, neither bunched together nor far from where the motion turns."""
         return [self._centred.middle + self._centred.spread * x for x in SAMPLES]
+
+    # ---- bars that meet ------------------------------------------------------------------------------
+
+    def collisions(
+        self, bars: ArrayLike | None = None, *, rtol: float = RTOL, degenerate: Degenerate = "raise"
+    ) -> Collisions:
+        """Where two bars of links that share no joint meet: each parameter t, the links, the point, whether they cross.
+
+        The lines of two bars meet where a polynomial in t vanishes.  An exact linkage over ℚ gets its roots and all
+        decisions exactly, an irrational t as the generator of its field; t = ∞ is no exception.
+
+        Parameters
+        ----------
+        bars : array_like, shape (..., n, m, 3), optional
+            The m points of each link's bar at home, m = 2 for straight ones: the first and the last on the axes that
+            the link joins, link 0 first, as :meth:`bars` gives them.  By default those, exact for an exact linkage.
+        rtol : float
+            In floats, bars that come nearer than this, in units of their size, count as meeting; and roots that are
+            within 10⁻⁴ of a turn count as one.
+        degenerate : {"raise", "nan"}
+            What to do about bars that always lie in one plane, as those of a planar linkage do.
+
+        Raises
+        ------
+        DegenerateError
+            If two bars always lie in one plane: they meet over intervals of t.
+        ValueError
+            If a bar does not end on its axes; if an exact linkage needs irrational numbers (use floats).
+
+        Examples
+        --------
+        >>> from kinlib import bennett_linkage, gallery
+        >>> bennett_linkage(*gallery.THREE_POSES).collisions()
+        2 collisions
+          t = 0, links 0 and 2 touch at (-1.33333, 0, 0)
+          t = ∞, links 0 and 2 touch at (-0.333333, 0, 0)
+        """
+        check_degenerate(degenerate)
+        if self._is_exact and (bars is None or is_exact(as_scalars(bars))):
+            return self._exact_collisions(bars, degenerate)
+        moving = self._moving_bars(bars)
+        return collisions_in_floats(moving[0], self.joints, moving[1], rtol=rtol, degenerate=degenerate)
+
+    def clearance(self, bars: ArrayLike | None = None, *, rtol: float = 1e-3) -> Any:
+        """The least distance that two bars of links that share no joint come to, over the whole motion; in floats.
+
+        Found by branch and bound over one full turn: how fast the joints turn at most says how fast a distance can
+        change.  So the true least distance is not less than the result by more than rtol times the size of the
+        bars, but for rounding; 0 if they meet, ∞ if all links share joints.
+
+        Parameters
+        ----------
+        bars : array_like, shape (..., n, m, 3), optional
+            As in :meth:`collisions`.
+        rtol : float
+            How much nearer the bars may come than the result says, in units of their size: the largest distance of
+            their points from the middle of all.
+
+        Returns
+        -------
+        float, or array of shape (...)
+            NaN in NaN rows.
+
+        Examples
+        --------
+        >>> from kinlib import bennett_linkage, gallery
+        >>> bennett_linkage(*gallery.THREE_POSES).clearance()
+        0.0
+        """
+        if not rtol > 0:
+            raise ValueError(f"expected a positive rtol, got {rtol!r}")
+        moving, shape = self._moving_bars(bars)
+        return plain(clearances(moving, self.joints, rtol).reshape(shape))
+
+    def _moving_bars(self, bars: ArrayLike | None) -> tuple[MovingBars, tuple[int, ...]]:
+        """The bars in motion, and the shape of their batch."""
+        points = as_float(self.bars() if bars is None else checked_bars(bars, self.chain.lines))
+        shape = np.broadcast_shapes(self.shape, points.shape[:-3])
+        points = np.broadcast_to(points, (*shape, *points.shape[-3:]))
+        return MovingBars.of([broadcast(f, shape) for f in self.factors], self.joints, points), shape
+
+    def _exact_collisions(self, bars: ArrayLike | None, degenerate: Degenerate) -> Collisions:
+        given = None if bars is None else checked_bars(bars, self.chain.lines)
+        shape = np.broadcast_shapes(self.shape, () if given is None else given.shape[:-3])
+        hits, faults = [], np.zeros(shape, dtype=int)
+        for index in np.ndindex(shape):
+            factors = [broadcast(f, shape)[index] for f in self.factors]
+            if given is None:
+                points = exact_bars(self.axes[index], self.bars()[index])
+            else:
+                points = np.broadcast_to(given, (*shape, *given.shape[-3:]))[index]
+            found = exact_collisions(factors, self.joints, points)
+            faults[index] = 0 if found is not None else CollisionFault.IN_A_PLANE
+            hits.append(found or [])
+        bad = report_faults(faults, CollisionFault, degenerate)
+        return listed_collisions(hits, shape, bad.reshape(-1))
 
     # ---- closure -------------------------------------------------------------------------------------
 
