@@ -12,7 +12,7 @@ import numpy as np
 
 from kinlib.chain import Lines, batch_index, first_row
 from kinlib.errors import Fault, report_faults
-from kinlib.moving_bars import MovingBars, Pair, cross, distance, dot, pairs_without_joint
+from kinlib.moving_bars import AT_INFINITY, MovingBars, Pair, cross, distance, dot, pairs_without_joint
 from kinlib.scalar import RTOL, as_float, as_scalars, as_text
 from kinlib.typing import Array, ArrayLike, Degenerate, Scalars
 
@@ -52,15 +52,20 @@ class Collision(NamedTuple):
 class CollisionFault(Fault):
     """Why the bars of a loop do not meet at single parameters."""
 
-    IN_A_PLANE = 1, (
-        "two bars always lie in one plane, so they meet over whole intervals of t and not at single parameters: "
-        "clearance() says whether they do"
+    IN_A_PLANE = (
+        1,
+        (
+            "two bars always lie in one plane, so they meet over whole intervals of t and not at single parameters: "
+            "clearance() says whether they do"
+        ),
     )
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Collisions:
-    """Where bars meet, in the order of t; the last axis counts the collisions, and short rows of a batch end in NaN.
+    """Where bars meet, once for each t and two links, in the order of t.
+
+    The last axis counts the collisions; short rows of a batch end in NaN.
 
     Attributes
     ----------
@@ -75,11 +80,13 @@ class Collisions:
     Examples
     --------
     >>> from kinlib import bennett_linkage, gallery
-    >>> hits = bennett_linkage(*gallery.THREE_POSES).astype(float).collisions()
+    >>> hits = bennett_linkage(*gallery.THREE_POSES).collisions()
     >>> hits
     2 collisions
-      t = 1, links 0 and 2 touch at (0.5, 0, 0)
-      t = ∞, links 0 and 2 touch at (0.5, 0, 0)
+      t = 0, links 0 and 2 touch at (-1.33333, 0, 0)
+      t = ∞, links 0 and 2 touch at (-0.333333, 0, 0)
+    >>> hits.count, hits.entries[0].point.tolist()
+    (2, [Fraction(-4, 3), Fraction(0, 1), Fraction(0, 1)])
     """
 
     t: Array
@@ -158,9 +165,9 @@ def checked_bars(bars: ArrayLike, lines: Lines) -> Array:
             row, named = first_row((off > OFF_AXIS).any(axis=-1))
             link = int(np.nanargmax(off[row]))
             raise ValueError(
-                f"{named}expected the {words} point of the bar of link {link} on axis {(link - shift) % count + 1}, but "
-                f"it is off by {off[row][link] * size[row][0]:.3g}: bars go from axis to axis, link 0 from the last to "
-                "the first"
+                f"{named}expected the {words} point of the bar of link {link} on axis {(link - shift) % count + 1}, "
+                f"but it is off by {off[row][link] * size[row][0]:.3g}: bars go from axis to axis, link 0 from "
+                "the last to the first"
             )
     return points
 
@@ -192,7 +199,8 @@ def wrap_collisions(found: Found, shape: tuple[int, ...], undefined: Array) -> C
         columns.append(table.reshape(*shape, *table.shape[1:]))
     number = np.where(undefined, np.nan, count) if undefined.any() else count
     number = number.reshape(shape)
-    return Collisions(*columns, number if shape else number.item())
+    t, links, point, crossing = columns
+    return Collisions(t, links, point, crossing, number if shape else number.item())
 
 
 class Found(NamedTuple):
@@ -219,8 +227,7 @@ def collisions_in_floats(
     """Where bars meet, for a batch of that shape.
 
     The lines of two bars meet where a polynomial vanishes: with t = middle + spread · cot φ a trigonometric one, so that
-    t = ∞ is no exception.  Its roots are polished, and there the bars must be nearer than rtol times the size of the
-    chain.
+    t = ∞ is no exception.  Its roots are polished, and there the bars must be nearer than rtol times their size.
     """
     defined = np.flatnonzero(bars.defined)
     inner = bars.pick(defined)
@@ -301,7 +308,7 @@ class _Lines:
             some, start = rows[poor], angle[poor]
             angle = angle.copy()
             angle[poor] = narrowed(lambda x: distance(*self._ends(some, x))[0], start - NEARLY, start + NEARLY)[0]
-        return angle % np.pi
+        return np.where(np.abs(np.sin(angle)) < AT_INFINITY, 0.0, angle % np.pi)
 
     def _roots(self) -> tuple[Array, Array, Array]:
         """The roots φ, each once: row, angle, and whether the polynomial changes sign there."""
@@ -389,13 +396,14 @@ def _clusters(angles: Array) -> tuple[Array, Array, Array]:
 
 
 def _without_doubles(found: Sequence[Found], bars: MovingBars, pair: Pair) -> Found:
-    """The collisions of two links, with each parameter and point once, and parameters t instead of angles."""
+    """The collisions of two links, one for each parameter; parameters t instead of angles."""
     hits = Found(*map(np.concatenate, zip(*found, strict=True)))
-    order = np.lexsort((~hits.crossing, hits.t, hits.rows))
+    order = np.lexsort((hits.t, hits.rows))
     hits = Found(*(column[order] for column in hits))
-    same = (np.diff(hits.rows) == 0) & (np.diff(hits.t) <= ONE_ROOT**2)
-    same &= np.linalg.norm(np.diff(hits.point, axis=0), axis=-1) <= ONE_ROOT**2 * bars.size[hits.rows[1:]]
-    hits = Found(*(column[np.concatenate([[True], ~same])[: len(column)]] for column in hits))
+    first = (np.diff(hits.rows, prepend=-1) > 0) | (np.diff(hits.t, prepend=-1.0) > ONE_ROOT / 100)
+    crossing = np.zeros(np.count_nonzero(first), dtype=bool)
+    np.logical_or.at(crossing, np.cumsum(first) - 1, hits.crossing)
+    hits = Found(*(column[first] for column in hits))._replace(crossing=crossing)
     return hits._replace(t=bars.pick(hits.rows).parameter(hits.t))
 
 

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from fractions import Fraction
-from functools import reduce
+from functools import partial, reduce
 from itertools import pairwise
 from numbers import Rational
 from typing import Any, NamedTuple
@@ -18,9 +18,9 @@ from kinlib.dual_quaternion import DualQuaternion, one, study_form
 from kinlib.errors import DegenerateError
 from kinlib.line import Line, common_perpendicular
 from kinlib.motion_polynomial import MotionPolynomial, RationalCurve, evaluate, multiply
-from kinlib.moving_bars import Pair, cross, dot, pairs_without_joint
+from kinlib.moving_bars import Pair, cross, distance, dot, pairs_without_joint
 from kinlib.number_field import NumberField
-from kinlib.scalar import divide
+from kinlib.scalar import as_float, divide
 from kinlib.typing import Array
 
 __all__ = ["exact_bars", "exact_collisions"]
@@ -32,18 +32,22 @@ def exact_bars(axes: DualQuaternion, bars: Array) -> Array:
     Each is the common perpendicular of its axes if the given one is; else it goes between the points of the axes that
     are nearest to the given ends, taken as fractions.
     """
-    count = axes.shape[-1]
-    lines = [Line.from_dual_quaternion(axes[n]) for n in range(count)]
-    size = np.abs(bars - bars.mean(axis=(0, 1))).max()
+    lines = [Line.from_dual_quaternion(axis) for axis in axes]
+    middle = bars.mean(axis=(0, 1))
+    size = np.abs(bars - middle).max()
     ends = np.empty(bars.shape, dtype=object)
-    for n in range(count):
-        first, second = lines[n - 1], lines[n]
+    for n, (first, second) in enumerate(zip([lines[-1], *lines], lines, strict=False)):
         feet = _feet(first, second)
-        if feet is None or np.abs(np.array(feet).astype(float) - bars[n]).max() > 1e-6 * size:
-            near = [[Fraction(float(x)) for x in end] for end in bars[n]]
-            feet = first.foot(near[0]), second.foot(near[1])
+        if feet is None:  # parallel axes: all bars in one plane
+            feet = first.foot(_fractions(middle)), second.foot(_fractions(middle))
+        if np.abs(np.array(feet).astype(float) - bars[n]).max() > 1e-6 * size:
+            feet = first.foot(_fractions(bars[n, 0])), second.foot(_fractions(bars[n, 1]))
         ends[n] = feet
     return ends
+
+
+def _fractions(point: Array) -> list[Fraction]:
+    return [Fraction(float(x)) for x in point]
 
 
 def _feet(first: Line, second: Line) -> tuple[Array, Array] | None:
@@ -107,16 +111,17 @@ def _outward(factors: Sequence[DualQuaternion], hit: Collision) -> Array:
 
 
 def _hits_of(pair: Pair, way: MotionPolynomial, bars: Array) -> list[Collision] | None:
-    """The collisions of two bars, points seen from the held link, each parameter and point once."""
+    """The collisions of two bars, points seen from the held link, one for each parameter."""
     links = (min(pair[:2]), max(pair[:2]))
     moving = [way.trajectory(point) for point in bars[pair.moving]]
+    floats = MotionPolynomial(as_float(way.coeffs))
     hits: list[Collision] = []
     for a, b in pairwise(bars[pair.held]):
         for n, (c, d) in enumerate(pairwise(bars[pair.moving])):
             polynomial = _meeting_polynomial(way, (a, b), (c, d))
             if not any(polynomial):
                 return None
-            for root in _roots(polynomial):
+            for root in _roots(polynomial, partial(_is_near, floats, (a, b, c, d))):
                 start, end = (_at(curve, root.t) for curve in moving[n : n + 2])
                 met = _meeting(a, b, start, end)
                 if met:
@@ -127,7 +132,7 @@ def _hits_of(pair: Pair, way: MotionPolynomial, bars: Array) -> list[Collision] 
 def _each_once(hits: Sequence[Collision]) -> Iterator[Collision]:
     seen: list[Collision] = []
     for hit in sorted(hits, key=lambda hit: not hit.crossing):
-        if not any(hit.t == other.t and np.all(hit.point == other.point) for other in seen):
+        if all(hit.t != other.t for other in seen):
             seen.append(hit)
             yield hit
 
@@ -155,8 +160,11 @@ class _Root(NamedTuple):
     odd: bool
 
 
-def _roots(polynomial: Sequence[Any]) -> Iterator[_Root]:
-    """The real roots, and ∞ where leading coefficients vanish; irrational ones as generators of their fields."""
+def _roots(polynomial: Sequence[Any], is_near: Callable[[float], bool]) -> Iterator[_Root]:
+    """The real roots, and ∞ where leading coefficients vanish; irrational ones as generators of their fields.
+
+    Irrational roots where the pieces are far from each other are left out.
+    """
     from sympy import QQ, Poly, Symbol
 
     zeros = next(n for n, c in enumerate(polynomial) if c)
@@ -164,11 +172,11 @@ def _roots(polynomial: Sequence[Any]) -> Iterator[_Root]:
         yield _Root(math.inf, zeros % 2 == 1)
     rational = [QQ(int(Fraction(c).numerator), int(Fraction(c).denominator)) for c in polynomial]
     for factor, power in Poly(rational, Symbol("t"), domain=QQ).factor_list()[1]:
-        for t in _real_roots(factor):
+        for t in _real_roots(factor, is_near):
             yield _Root(t, power % 2 == 1)
 
 
-def _real_roots(factor: Any) -> Iterator[Any]:
+def _real_roots(factor: Any, is_near: Callable[[float], bool]) -> Iterator[Any]:
     """The real roots of an irreducible polynomial."""
     from sympy import CRootOf
 
@@ -177,8 +185,30 @@ def _real_roots(factor: Any) -> Iterator[Any]:
         root = -low / high
         yield Fraction(int(root.p), int(root.q))
         return
-    for n in range(factor.count_roots()):
-        yield NumberField(CRootOf(factor, n, radicals=False)).generator
+    count = factor.count_roots()
+    estimates = _estimates(factor, count)
+    for n in range(count):
+        if estimates is None or is_near(estimates[n]):
+            yield NumberField(CRootOf(factor, n, radicals=False)).generator
+
+
+def _estimates(factor: Any, count: int) -> list[float] | None:
+    """The real roots in floats in ascending order, if so many are found; their number is known exactly."""
+    roots = np.roots([float(c) for c in factor.all_coeffs()])
+    real = np.sort(roots[np.abs(roots.imag) <= 1e-9 * (1 + np.abs(roots))].real)
+    return [float(t) for t in real] if len(real) == count else None
+
+
+FAR = 1e-3
+"""Pieces that are farther from each other in floats, in units of their size, do not meet: no sign need be asked."""
+
+
+def _is_near(way: MotionPolynomial, piece: tuple[Array, Array, Array, Array], t: float) -> bool:
+    """Whether two pieces may meet at t, by floats."""
+    a, b, c, d = (as_float(x) for x in piece)
+    c, d = act(way(t), np.array([c, d]))
+    size = max(np.abs(x - a).max() for x in (b, c, d))
+    return bool(distance(a, b, c, d)[0] <= FAR * size)
 
 
 # ---- at one parameter --------------------------------------------------------------------------------
@@ -228,8 +258,7 @@ def _along(a: Array, b: Array, c: Array, d: Array) -> _Meeting | None:
         return None
     if not np.any(u):
         return _Meeting(a, False) if np.all(a == start) else None
-    low, high = sorted((dot(start - a, u), dot(end - a, u)))
-    low, high = max(low, 0), min(high, dot(u, u))
+    x, y = dot(start - a, u), dot(end - a, u)
+    first, last = (x, y) if x <= y else (y, x)
+    low, high = (first if first > 0 else 0), (last if last < dot(u, u) else dot(u, u))
     return _Meeting(a + divide(low + high, 2 * dot(u, u)) * u, False) if low <= high else None
-
-

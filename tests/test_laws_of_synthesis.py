@@ -156,6 +156,19 @@ def test_a_linkage_that_does_not_close_cannot_be_made():
         Linkage((i, j - eps * i, k + eps * j, i + eps * k), (1, 1, 1, 1), 2)
 
 
+COVERED.update(("Collision", "CollisionFault", "Collisions"))
+
+
+@pytest.mark.parametrize("shape", SHAPES)
+def test_bars_that_meet_have_no_clearance(shape):
+    linkage = _synthesised(shape)
+    hits = linkage.collisions()
+    assert hits.shape == np.shape(hits.count) == shape
+    assert hits.point.shape == (*hits.t.shape, 3)
+    assert hits.links.shape == (*hits.t.shape, 2)
+    assert np.all((linkage.clearance() == 0) == (np.asarray(hits.count) > 0))
+
+
 COVERED.add("Families")
 
 
