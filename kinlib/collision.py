@@ -226,8 +226,8 @@ def collisions_in_floats(
 ) -> Collisions:
     """Where bars meet, for a batch of that shape.
 
-    The lines of two bars meet where a polynomial vanishes: with t = middle + spread · cot φ a trigonometric one, so that
-    t = ∞ is no exception.  Its roots are polished, and there the bars must be nearer than rtol times their size.
+    The lines of two bars meet where a polynomial vanishes: with t = middle + spread · cot φ a trigonometric one, so
+    that t = ∞ is no exception.  Its roots are polished, and there the bars must be nearer than rtol times their size.
     """
     defined = np.flatnonzero(bars.defined)
     inner = bars.pick(defined)
