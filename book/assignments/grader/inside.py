@@ -12,7 +12,7 @@ def report(token):
     import pkgutil
     import sys
     from hashlib import sha256
-    from types import CodeType, FunctionType
+    from types import CodeType, FunctionType, ModuleType
 
     import kinlib_assignments
     from kinlib_assignments import student_id
@@ -35,7 +35,7 @@ def report(token):
         return {
             name: of_class(value) if isinstance(value, type) else of_thing(value)
             for name, value in vars(module).items()
-            if getattr(value, "__module__", None) == module.__name__ or not isinstance(value, type)
+            if (value.__module__ == module.__name__ if isinstance(value, type) else not isinstance(value, ModuleType))
         }
 
     def of_shell():

@@ -43,7 +43,9 @@ class Marks:
         self.assert_full(grade(self.assignment, {}, student).marks)
 
     def test_the_solution_gets_full_marks_as_teachers_grade(self, grade_as_teachers_do):
-        self.assert_full(grade_as_teachers_do(self.assignment, {}, "emmy").marks)
+        result = grade_as_teachers_do(self.assignment, {}, "emmy")
+        self.assert_full(result.marks)
+        assert result.seen == []
 
     def assert_full(self, marks):
         assert [mark for mark in marks if mark["mark"] not in (None, mark["points"])] == []
