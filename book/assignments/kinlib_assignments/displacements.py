@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from itertools import permutations
 from typing import NamedTuple
 
@@ -24,12 +25,13 @@ from kinlib import (
 )
 from kinlib_assignments.checks import assert_equal, assert_point, numbers
 from kinlib_assignments.lot import Lot
-from kinlib_assignments.withhold import defined_beside
+from kinlib_assignments.seal import seal
+from kinlib_assignments.withhold import answer_of, defined_beside
 
 __all__ = [
-    "LIBRARIES", "SHORTCUTS", "Data", "assert_carried", "assert_carries", "assert_in_turn", "assert_matrix",
-    "assert_pose_of_matrix", "assert_read", "assert_shift", "assert_through", "assert_turn", "conventions", "data",
-    "samples", "written",
+    "LIBRARIES", "Data", "check_carried", "check_carried_floats", "check_carry", "check_half_turn",
+    "check_half_turn_elsewhere", "check_in_turn", "check_matrix", "check_pose_of", "check_pose_of_half_turns",
+    "check_readings", "check_shift", "check_turn", "check_turn_elsewhere", "data", "samples",
 ]  # fmt: skip
 
 LIBRARIES = ("A", "B", "C")
@@ -180,15 +182,16 @@ def _wrong_images(q: DualQuaternion, x) -> dict[str, np.ndarray]:
 
 
 def _image(q: DualQuaternion, x, last: DualQuaternion) -> np.ndarray:
-    return (q * DualQuaternion([1, 0, 0, 0, 0, *x]) * last / q.norm().scalar_part).coeffs[5:]
+    image = q * DualQuaternion([1, 0, 0, 0, 0, *x]) * last
+    return (image / (image.scalar_part or 1)).coeffs[5:]
 
 
-def assert_carried(answer, q, x) -> None:
+def _assert_carried(answer, q, x) -> None:
     """Fail unless the answer is where the pose q carries the point x; say which slip it looks like.
 
     Examples
     --------
-    >>> assert_carried((1, 5, 0), translation([0, 4, 0]), (1, 1, 0))
+    >>> _assert_carried((1, 5, 0), translation([0, 4, 0]), (1, 1, 0))
     """
     q = DualQuaternion(q) if not isinstance(q, DualQuaternion) else q
     assert_equal(answer, act(q, x), "the point that was carried", _wrong_images(q, x))
@@ -200,7 +203,7 @@ def _assert_pose(answer, expected: DualQuaternion, what: str, slips: dict[str, D
     assert_point(point, expected.astype(float), what, {said: q.astype(float) for said, q in slips.items()})
 
 
-def assert_shift(answer, v) -> None:
+def _assert_shift(answer, v) -> None:
     """Fail unless the answer is the translation by v."""
     right = translation(v)
     slips = {
@@ -211,7 +214,7 @@ def assert_shift(answer, v) -> None:
     _assert_pose(answer, right, "the translation", slips)
 
 
-def assert_through(answer, a, b) -> None:
+def _assert_through(answer, a, b) -> None:
     """Fail unless the answer is the half-turn about the line through two points."""
     right = half_turn(Line.through(a, b))
     slips = {
@@ -222,7 +225,7 @@ def assert_through(answer, a, b) -> None:
     _assert_pose(answer, right, "the half-turn", slips)
 
 
-def assert_turn(answer, a, b, angle: float) -> None:
+def _assert_turn(answer, a, b, angle: float) -> None:
     """Fail unless the answer is the rotation about the line from a to b by an angle in radians."""
     line = Line.through(a, b)
     cosine, sine = math.cos(angle / 2), math.sin(angle / 2)
@@ -238,18 +241,31 @@ def assert_turn(answer, a, b, angle: float) -> None:
     assert_point(answer, rotation(line, angle), "the rotation", slips)
 
 
-def assert_read(answer, q: DualQuaternion, library: str) -> None:
+def _assert_read(answer, q: DualQuaternion, library: str, way: str, own: DualQuaternion) -> None:
     """Fail unless the answer is the pose q, which a library wrote in its own way."""
-    _assert_pose(answer, q, f"the pose that library {library} wrote", {})
+    numbers = written(way, q)
+    slips = {f"that would be right for the library {what}": read(one, numbers) for one, what in WAYS_IN_WORDS.items()}
+    slips = {said: DualQuaternion(value) for said, value in slips.items()}
+    slips["these are its numbers as they are: none of the libraries writes as we do"] = DualQuaternion(numbers)
+    slips["that is your own pose, but the library may write any"] = own
+    right = slips.pop(f"that would be right for the library {WAYS_IN_WORDS[way]}")
+    _assert_pose(answer, right, f"the pose that library {library} wrote", slips)
 
 
-def assert_in_turn(answer, first, second) -> None:
+WAYS_IN_WORDS = {
+    "sign": "with the other sign of ε",
+    "order": "that writes scalars last",
+    "return": "that writes the displacement back",
+}
+
+
+def _assert_in_turn(answer, first, second) -> None:
     """Fail unless the answer is the pose of first the one, then the other displacement."""
     slips = {"the right factor acts first: that is the second displacement, then the first": first * second}
     _assert_pose(answer, second * first, "one displacement after the other", slips)
 
 
-def assert_matrix(answer, q) -> None:
+def _assert_matrix(answer, q) -> None:
     """Fail unless the answer is the 4×4 matrix of the pose q."""
     q = DualQuaternion(q) if not isinstance(q, DualQuaternion) else q
     right = as_matrix(q)
@@ -268,7 +284,7 @@ def assert_matrix(answer, q) -> None:
     assert_equal(answer, right, "the matrix", slips)
 
 
-def assert_pose_of_matrix(answer, q: DualQuaternion) -> None:
+def _assert_pose_of_matrix(answer, q: DualQuaternion) -> None:
     """Fail unless the answer is the pose q, which was given by its matrix."""
     shift = translation(as_matrix(q)[:3, 3])
     slips = {
@@ -281,7 +297,7 @@ def assert_pose_of_matrix(answer, q: DualQuaternion) -> None:
     _assert_pose(answer, q, "the pose of the matrix", slips)
 
 
-def assert_carries(answer, found: Data) -> None:
+def _assert_carries(answer, found: Data) -> None:
     """Fail unless the answer is a pose that carries a to c and b to d."""
     try:
         q = as_pose(DualQuaternion(numbers(answer, (8,), "the displacement")))
@@ -295,10 +311,123 @@ def assert_carries(answer, found: Data) -> None:
     assert_equal(act(q, found.b), found.d, "where b goes", slips)
 
 
+# ---- checks of functions, on the numbers of a student ----------------------------------------------------
+
+
+def _another(student: str) -> Data:
+    """Other numbers that belong to a student too."""
+    return data(f"{student}, another")
+
+
+def check_carried(carried: Callable, student: str) -> None:
+    """Fail unless a function carries a student's points by a student's pose."""
+    own = data(student)
+    for x in (own.a, own.d):
+        answer = answer_of(carried, DualQuaternion(own.pose), x, without=SHORTCUTS)
+        _assert_carried(answer, own.pose, x)
+
+
+def check_carried_floats(carried: Callable, student: str) -> None:
+    """Fail unless it does so for a pose of any length, exact or in floats."""
+    own = _another(student)
+    for q in (-2 * DualQuaternion(own.pose), 0.7 * DualQuaternion(own.pose).astype(float)):
+        _assert_carried(answer_of(carried, q, own.c, without=SHORTCUTS), q, own.c)
+
+
+def check_shift(shift: Callable, student: str) -> None:
+    """Fail unless a function gives translations."""
+    for v in (np.subtract(data(student).b, data(student).a).tolist(), (0.5, -1.25, 3.0), (1, 0, 0)):
+        _assert_shift(answer_of(shift, v, without=SHORTCUTS), v)
+
+
+def check_half_turn(half_turn_about: Callable, student: str) -> None:
+    """Fail unless a function gives the half-turn about a student's line."""
+    a, b = data(student)[1:3]
+    _assert_through(answer_of(half_turn_about, a, b, without=SHORTCUTS), a, b)
+
+
+def check_half_turn_elsewhere(half_turn_about: Callable, student: str) -> None:
+    """Fail unless it does so for other lines, one through the origin among them."""
+    for a, b in (data(student)[3:], _another(student)[1:3], ((0, 0, 0), data(student).b)):
+        _assert_through(answer_of(half_turn_about, a, b, without=SHORTCUTS), a, b)
+
+
+def check_turn(turn: Callable, student: str) -> None:
+    """Fail unless a function gives a rotation about a student's line."""
+    a, b = data(student)[1:3]
+    _assert_turn(answer_of(turn, a, b, 2.0, without=SHORTCUTS), a, b, 2.0)
+
+
+def check_turn_elsewhere(turn: Callable, student: str) -> None:
+    """Fail unless it does so for other lines and angles, either way round."""
+    for (a, b), angle in ((data(student)[3:], 0.3), (_another(student)[1:3], -1.7), (_another(student)[3:], 2.9)):
+        _assert_turn(answer_of(turn, a, b, angle, without=SHORTCUTS), a, b, angle)
+
+
+def _poses(student: str) -> list[DualQuaternion]:
+    return [DualQuaternion(found.pose) for found in (data(student), _another(student))]
+
+
+def check_in_turn(in_turn: Callable, student: str) -> None:
+    """Fail unless a function composes two poses of a student in their order."""
+    own, other = _poses(student)
+    for first, second in ((own, other), (other, own)):
+        _assert_in_turn(answer_of(in_turn, first, second, without=SHORTCUTS), first, second)
+
+
+def check_matrix(matrix_of: Callable, student: str) -> None:
+    """Fail unless a function gives the matrices of a student's poses."""
+    for q in _poses(student):
+        _assert_matrix(answer_of(matrix_of, q, without=SHORTCUTS), q)
+
+
+def check_pose_of(pose_of: Callable, student: str) -> None:
+    """Fail unless a function gives the poses of a student's matrices, exact or in floats."""
+    for q in _poses(student):
+        for matrix in (as_matrix(q), as_matrix(q).astype(float)):
+            _assert_pose_of_matrix(answer_of(pose_of, matrix, without=SHORTCUTS), q)
+
+
+def check_pose_of_half_turns(pose_of: Callable, student: str) -> None:
+    """Fail unless it does so for half-turns, and for turns that are almost half-turns."""
+    own = data(student)
+    lines = [Line.through(own.a, own.b), Line.through(own.c, own.d), Line.at([1, 2, 0], [0, 1, 0])]
+    lines += [Line.at([0, 3, 1], [0, 1, 2]), Line.at([2, 0, 1], [0, 0, 1]), Line.at([0, 1, 1], [1, 0, 0])]
+    for line in lines:
+        for q in (half_turn(line), rotation(line, 3.1415926)):
+            try:
+                answer = answer_of(pose_of, as_matrix(q), without=SHORTCUTS)
+            except ZeroDivisionError as error:
+                raise AssertionError("the pose of a half-turn: a division by 0; another v does better") from error
+            if not any(numbers(answer, (8,), "the pose of a half-turn")):
+                raise AssertionError("the pose of a half-turn: w_v is 0 for this v; take the one that is largest")
+            _assert_pose_of_matrix(answer, q)
+
+
+def check_readings(from_library: Callable, student: str) -> None:
+    """Fail unless a function reads what the libraries write, of a student's pose and of another."""
+    for q in _poses(student):
+        for library, way in conventions(student).items():
+            answer = answer_of(from_library, library, written(way, q), without=SHORTCUTS)
+            _assert_read(answer, q, library, way, _poses(student)[0])
+
+
+def check_carry(carry, student: str) -> None:
+    """Fail unless a pose carries a to c and b to d."""
+    _assert_carries(carry, data(student))
+
+
 # ---- what is withheld --------------------------------------------------------------------------------
 
 SHORTCUTS = (
     *defined_beside(act), as_pose, Line.as_dual_quaternion, Line.at.__func__, Line.through.__func__,
-    MotionPolynomial.trajectory, read,
+    MotionPolynomial.trajectory, read, conventions,
 )  # fmt: skip
-"""Functions that are the answer to a task, or nearly so: refused while answers are marked."""
+"""Functions that are the answer to a task, or nearly so: refused while an answer works."""
+
+
+def __dir__() -> list[str]:
+    return __all__
+
+
+seal()

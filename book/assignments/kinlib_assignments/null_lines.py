@@ -27,12 +27,15 @@ from kinlib import (
     size,
     study_form,
 )
-from kinlib_assignments.checks import assert_equal, numbers
+from kinlib_assignments.checks import assert_equal, numbers, several, truth
 from kinlib_assignments.lot import PYTHAGOREAN, Lot
+from kinlib_assignments.seal import seal
+from kinlib_assignments.withhold import answer_of
 
 __all__ = [
-    "KINDS", "SHORTCUTS", "Data", "assert_answers", "assert_forms", "assert_null_lines", "assert_pose_at",
-    "assert_quadrilateral", "assert_real_null_line", "assert_stray", "assert_three_lines", "data", "kinds", "spaces",
+    "KINDS", "Data", "check_forms", "check_inside_study_quadric", "check_kinds", "check_meets_exceptional_space",
+    "check_null_line", "check_null_line_products", "check_null_lines", "check_places", "check_pose_at",
+    "check_quadrilateral", "check_real_pair", "check_stray", "check_three_lines", "data", "spaces",
 ]  # fmt: skip
 
 KINDS = ("skew axes", "parallel axes", "intersecting axes", "prismatic joint")
@@ -114,12 +117,12 @@ def _is_oblique(x, y) -> bool:
 # ---- four three-spaces -------------------------------------------------------------------------------
 
 
-def kinds(student: str) -> dict[str, str]:
+def _kinds(student: str) -> dict[str, str]:
     """Which of the spaces A, B, C, D belongs to which two joints.
 
     Examples
     --------
-    >>> sorted(kinds("ada").values()) == sorted(KINDS)
+    >>> sorted(_kinds("ada").values()) == sorted(KINDS)
     True
     """
     return dict(zip("ABCD", Lot("null_lines, kinds", student).shuffled(KINDS), strict=True))
@@ -134,7 +137,7 @@ def spaces(student: str) -> dict[str, DualQuaternion]:
     (4,)
     """
     lot = Lot("null_lines, spaces", student)
-    return {name: DualQuaternion(_mixed(lot, _joints(lot, kind))) for name, kind in kinds(student).items()}
+    return {name: DualQuaternion(_mixed(lot, _joints(lot, kind))) for name, kind in _kinds(student).items()}
 
 
 def _joints(lot: Lot, kind: str) -> list:
@@ -176,28 +179,13 @@ def _mixed(lot: Lot, points: list) -> list:
 # ---- checks ------------------------------------------------------------------------------------------
 
 
-def assert_answers(answer, expected: Sequence[bool] | bool, what: str) -> None:
-    """Fail unless each of the answers, or the only one, is the expected True or False.
-
-    Examples
-    --------
-    >>> assert_answers((True, False), (True, True), "a pose")
-    Traceback (most recent call last):
-        ...
-    AssertionError: a pose: expected (True, True), got (True, False)
-    """
-    expected = expected if isinstance(expected, bool) else tuple(expected)
-    try:
-        given = answer if np.ndim(answer) else [answer]
-        truths = tuple(bool(x) for x in given if x in (True, False))
-    except TypeError as error:
-        raise AssertionError(f"{what}: expected True or False, got {answer!r}") from error
-    truths = truths[0] if isinstance(expected, bool) and len(truths) == 1 else truths
-    if truths != expected:
-        raise AssertionError(f"{what}: expected {expected}, got {answer if truths == () else truths}")
+def _assert_true_or_false(answer, expected: bool, what: str, why: str = "") -> None:
+    """Fail unless an answer is the expected one of True and False."""
+    if truth(answer, what) != expected:
+        raise AssertionError(f"{what}: it is {expected}{': ' + why if why else ''}")
 
 
-def assert_forms(answer, x: DualQuaternion, y: DualQuaternion) -> None:
+def _assert_forms(answer, x: DualQuaternion, y: DualQuaternion) -> None:
     """Fail unless the answer holds the null form and the Study form of two points."""
     right = null_form(x, y), study_form(x, y)
     half = sum(a * b for a, b in zip(x.coeffs[:4], y.coeffs[4:], strict=True))
@@ -216,7 +204,7 @@ def assert_forms(answer, x: DualQuaternion, y: DualQuaternion) -> None:
     assert_equal(answer, right, "the two forms", slips)
 
 
-def assert_pose_at(answer, h1: DualQuaternion, h2: DualQuaternion, t1, t2) -> None:
+def _assert_pose_at(answer, h1: DualQuaternion, h2: DualQuaternion, t1, t2) -> None:
     """Fail unless the answer is the pose (t1 − h1)(t2 − h2), up to a factor."""
     point = _point(answer, "the pose R(t1, t2)")
     if same_point(point, (t1 - h1) * (t2 - h2)):
@@ -230,7 +218,7 @@ def assert_pose_at(answer, h1: DualQuaternion, h2: DualQuaternion, t1, t2) -> No
     raise AssertionError(f"the pose R(t1, t2): {found[0] if found else 'expected (t1 − h1)(t2 − h2)'}")
 
 
-def assert_null_lines(answer, h1: DualQuaternion, h2: DualQuaternion) -> None:
+def _assert_null_lines(answer, h1: DualQuaternion, h2: DualQuaternion) -> None:
     """Fail unless the answer holds two points on each of the four null lines of a dyad."""
     pairs = _pairs(answer, 4)
     space = _equations(one, h1, h2, h1 * h2)
@@ -247,7 +235,7 @@ def assert_null_lines(answer, h1: DualQuaternion, h2: DualQuaternion) -> None:
     )
 
 
-def assert_three_lines(answer, h: DualQuaternion, v) -> None:
+def _assert_three_lines(answer, h: DualQuaternion, v) -> None:
     """Fail unless the answer holds two points on each of the three null lines of a hinge h with a slide along v."""
     pairs = _pairs(answer, 3)
     slide = DualQuaternion([0, 0, 0, 0, 0, *v])
@@ -264,7 +252,7 @@ def assert_three_lines(answer, h: DualQuaternion, v) -> None:
     )
 
 
-def assert_quadrilateral(answer, h1: DualQuaternion, h2: DualQuaternion) -> None:
+def _assert_quadrilateral(answer, h1: DualQuaternion, h2: DualQuaternion) -> None:
     """Fail unless the answer holds the vertices of the null quadrilateral of a dyad, in their order round."""
     points = _points(answer, 4, "the quadrilateral")
     space = _equations(one, h1, h2, h1 * h2)
@@ -275,7 +263,7 @@ def assert_quadrilateral(answer, h1: DualQuaternion, h2: DualQuaternion) -> None
             raise AssertionError(f"vertices {first + 1} and {second + 1} are opposite: no null line joins them")
 
 
-def assert_stray(answer, g1: DualQuaternion, g2: DualQuaternion) -> None:
+def _assert_stray(answer, g1: DualQuaternion, g2: DualQuaternion) -> None:
     """Fail unless the answer is a point of the dyad's space, on the null cone and off the Study quadric."""
     point = _point(answer, "the point")
     if not _contains(_equations(one, g1, g2, g1 * g2), point):
@@ -286,7 +274,7 @@ def assert_stray(answer, g1: DualQuaternion, g2: DualQuaternion) -> None:
         raise AssertionError("the point is on the Study quadric, so it is on one of the four null lines")
 
 
-def assert_real_null_line(answer) -> None:
+def _assert_real_null_line(answer) -> None:
     """Fail unless the answer is a pair of real points that a null line joins."""
     pair = _points(answer, 2, "the real null line")
     if any(x.imag for point in pair for x in point.coeffs):
@@ -303,20 +291,12 @@ def _point(answer, what: str) -> DualQuaternion:
 
 
 def _points(answer, count: int, what: str) -> list[DualQuaternion]:
-    if answer is None:
-        raise AssertionError(f"{what}: nothing was returned; is there a `return`?")
-    points = list(answer)
-    if len(points) != count:
-        raise AssertionError(f"{what}: expected {count} points, got {len(points)}")
+    points = several(answer, count, what, "points")
     return [_point(point, what) for point in points]
 
 
 def _pairs(answer, count: int) -> list[list[DualQuaternion]]:
-    if answer is None:
-        raise AssertionError("the null lines: nothing was returned; is there a `return`?")
-    pairs = list(answer)
-    if len(pairs) != count:
-        raise AssertionError(f"the null lines: expected {count} pairs of points, got {len(pairs)}")
+    pairs = several(answer, count, "the null lines", "pairs of points")
     return [_points(pair, 2, f"line {number}") for number, pair in enumerate(pairs, 1)]
 
 
@@ -363,10 +343,182 @@ def _vanishes(value: DualQuaternion, x: DualQuaternion) -> bool:
     return bool(np.all(is_zero(value.components, size(x.components))))
 
 
+# ---- checks of functions, on the numbers of a student ----------------------------------------------------
+
+
+def _half_turns(student: str) -> list[DualQuaternion]:
+    return [DualQuaternion(row) for row in data(student)[:5]]
+
+
+def check_forms(forms: Callable, student: str) -> None:
+    """Fail unless a function gives both forms of a student's half-turns, of their products, and of symbols."""
+    from sympy import symbols
+
+    h1, h2, g1, _, h = _half_turns(student)
+    pairs = [((2 - h1) * (1 - h2), g1 * h), (h1, h2), (h2, h2), tuple(DualQuaternion(symbols(f"{x}:8")) for x in "xy")]
+    for x, y in pairs:
+        _assert_forms(answer_of(forms, x, y, without=SHORTCUTS), x, y)
+
+
+PLACES = {
+    "the Study quadric": "the dual part of q q̄ must vanish",
+    "the null cone": "the primal part of q q̄ must vanish, and it may for complex points with p ≠ 0",
+    "E": "the whole primal part p must vanish, not p p̄ only",
+}
+
+
+def check_places(places: Callable, student: str) -> None:
+    """Fail unless a function says where points are, real and complex ones."""
+    from sympy import I
+
+    h1, h2, *_ = _half_turns(student)
+    points = [
+        (h1, (True, False, False)),
+        ((2 - h1) * (3 - h2), (True, False, False)),
+        (h1 + h1 * DualQuaternion([0, 0, 0, 0, 1, 0, 0, 0]), (False, False, False)),
+        (I * one - h1, (True, True, False)),
+        (DualQuaternion([1, 0, I, 0, 1, 0, 0, 0]), (False, True, False)),
+        (DualQuaternion([0, 0, 0, 0, 1, 0, 0, I]), (True, True, True)),
+    ]
+    for point, right in points:
+        found = several(answer_of(places, point, without=SHORTCUTS), 3, f"[{point}]", "answers")
+        for answer, expected, (place, why) in zip(found, right, PLACES.items(), strict=True):
+            _assert_true_or_false(answer, expected, f"whether [{point}] is on {place}", why)
+
+
+def check_null_line(null_line: Callable, student: str) -> None:
+    """Fail unless a function tells null lines of a student's dyad from others."""
+    from sympy import I
+
+    h1, h2, *_ = _half_turns(student)
+    third = "the third product x ȳ + y x̄ counts too"
+    pairs = [
+        ((I - h1, (I - h1) * h2), True, "t1 = √−1 of your dyad", "look at the conjugate, which leaves √−1 alone"),
+        ((I + h2, h1 * (I + h2)), True, "t2 = −√−1 of your dyad", "look at the conjugate, which leaves √−1 alone"),
+        ((2 - h1, (2 - h1) * h2), False, "t1 = 2 of your dyad", "x x̄ is not 0"),
+        (((I - h1) * (I - h2), (I + h1) * (I + h2)), False, "a diagonal of your quadrilateral", third),
+    ]
+    _check_null_lines_told(null_line, pairs)
+
+
+def check_null_line_products(null_line: Callable, student: str) -> None:
+    """Fail unless a function needs all three products of Lemma 1, with both of their parts."""
+    from sympy import I
+
+    h1, *_ = _half_turns(student)
+    null = 1 + I * h1  # a point of the null cone and of the Study quadric
+    one_, eps_ = DualQuaternion([1, *[0] * 7]), DualQuaternion([0, 0, 0, 0, 1, 0, 0, 0])
+    axis = DualQuaternion([*h1.coeffs[:4], 0, 0, 0, 0])
+    pairs = [
+        ((null, eps_), False, "x x̄ = y ȳ = 0, but x ȳ + y x̄ = 2ε", "the dual part of the third product counts"),
+        ((null, 1 - I * h1), False, "x x̄ = y ȳ = 0, but x ȳ + y x̄ = 4", "the third product counts too"),
+        ((1 + I * axis + eps_, eps_ * axis), False, "x x̄ = 2ε", "the dual part of x x̄ counts"),
+        ((eps_ * axis, 1 + I * axis + eps_), False, "y ȳ = 2ε", "the dual part of y ȳ counts"),
+        ((h1, eps_ * (2 + h1)), False, "x x̄ = 1", "x x̄ counts"),
+        ((eps_ * (2 + h1), h1), False, "y ȳ = 1", "y ȳ counts"),
+        ((null, null * (axis + 2 * one_)), True, "x and x y for a null x", "all three products vanish"),
+        ((eps_ * (1 + h1), eps_ * h1), True, "two points of E", "all three products vanish"),
+    ]
+    _check_null_lines_told(null_line, pairs)
+
+
+def _check_null_lines_told(null_line: Callable, pairs) -> None:
+    for (x, y), right, what, why in pairs:
+        _assert_true_or_false(answer_of(null_line, x, y, without=SHORTCUTS), right, what, why)
+
+
+def check_pose_at(pose_at: Callable, student: str) -> None:
+    """Fail unless a function gives poses of a student's dyads, complex ones too."""
+    from sympy import I
+
+    h1, h2, g1, g2, _ = _half_turns(student)
+    for pair, t1, t2 in (((h1, h2), 2, -3), ((g1, g2), I, 5)):
+        _assert_pose_at(answer_of(pose_at, *pair, t1, t2, without=SHORTCUTS), *pair, t1, t2)
+
+
+def _check_dyads(function: Callable, check: Callable, student: str) -> None:
+    h1, h2, g1, g2, _ = _half_turns(student)
+    for pair in ((h1, h2), (g1, g2)):
+        answer = answer_of(function, *pair, without=SHORTCUTS)
+        check(answer, *pair)
+
+
+def check_null_lines(null_lines: Callable, student: str) -> None:
+    """Fail unless a function gives the four null lines of a student's dyads."""
+    _check_dyads(null_lines, _assert_null_lines, student)
+
+
+def check_quadrilateral(quadrilateral: Callable, student: str) -> None:
+    """Fail unless a function gives the null quadrilaterals of a student's dyads."""
+    _check_dyads(quadrilateral, _assert_quadrilateral, student)
+
+
+def check_stray(stray, student: str) -> None:
+    """Fail unless a point is in the space of g1 and g2, on the null cone and off the Study quadric."""
+    _assert_stray(stray, *_half_turns(student)[2:4])
+
+
+def check_real_pair(pair, student: str) -> None:
+    """Fail unless a null line joins two real points."""
+    _assert_real_null_line(pair)
+
+
+def _cases(student: str) -> list:
+    """Spaces of each kind that a student can have, not those that the student is to name."""
+    h1, h2, *_ = _half_turns(student)
+    found = [("skew axes", [one, h1, h2, h1 * h2])]
+    for name in (f"{student}, to try", f"{student}, again"):
+        four = spaces(name)
+        found += [(kind, list(four[letter])) for letter, kind in _kinds(name).items()]
+    return found
+
+
+def check_inside_study_quadric(inside: Callable, student: str) -> None:
+    """Fail unless a function says which spaces lie in the Study quadric."""
+    for kind, points in _cases(student):
+        right = kind in ("parallel axes", "intersecting axes")
+        why = "" if right else "the four points are on it, but is b(x, y) = 0 for each two of them?"
+        _assert_true_or_false(answer_of(inside, points, without=SHORTCUTS), right, f"a space of {kind}", why)
+
+
+def check_meets_exceptional_space(meets: Callable, student: str) -> None:
+    """Fail unless a function says which spaces have a point in E."""
+    for kind, points in _cases(student):
+        right = kind in ("parallel axes", "prismatic joint")
+        why = "a sum of the four has no primal part" if right else "the four primal parts are independent"
+        _assert_true_or_false(answer_of(meets, points, without=SHORTCUTS), right, f"a space of {kind}", why)
+
+
+def check_kinds(found, student: str) -> None:
+    """Fail unless a student's spaces are called what they are; what a wrong one is, is not told."""
+    right = _kinds(student)
+    given = found if type(found) is dict else {}
+    if sorted(map(str, given.values())) != sorted(KINDS) or set(given) != set(right):
+        raise AssertionError(f"expected a dictionary in which each of {', '.join(KINDS)} occurs once")
+    wrong = [letter for letter in right if given[letter] != right[letter]]
+    if wrong:
+        raise AssertionError(f"{len(wrong)} of the four are wrong: let your two functions tell you")
+
+
+def check_three_lines(three_lines: Callable, student: str) -> None:
+    """Fail unless a function gives the three null lines of a hinge with a slide."""
+    for name in (student, f"{student}, to try"):
+        *_, hinge, vector = data(name)
+        answer = answer_of(three_lines, DualQuaternion(hinge), vector, without=SHORTCUTS)
+        _assert_three_lines(answer, DualQuaternion(hinge), vector)
+
+
 # ---- what is withheld --------------------------------------------------------------------------------
 
 SHORTCUTS = (
     null_form, study_form, is_null_line, recognise, meet, Dyad.__post_init__, TwoRSpace.contains,
-    TwoRSpace.null_quadrilateral, Subspace.contains, Quadric.form, Quadric.gram, Quadric.contains, Quadric.restrict,
+    TwoRSpace.null_quadrilateral, Subspace.contains, Quadric.form, Quadric.gram, Quadric.contains, Quadric.restrict, _kinds, _cases,
 )  # fmt: skip
 """Functions that are the answer to a task, or nearly so: refused while answers are marked."""
+
+
+def __dir__() -> list[str]:
+    return __all__
+
+
+seal()

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from kinlib import DualQuaternion
+from workbook import losses
 
 STUDENTS = ("ada", "emmy", "sophus", "4711", "student 1")
 
@@ -20,17 +21,21 @@ class Marks:
     numbers : dict
         What the functions that draw numbers gave to some students when they were handed out: `digest` of it.
     slips : dict
-        What is done wrong: the changed cells, and the points lost by cell.
+        What is done wrong: the changed cells, the points lost by cell, and what the first check that fails says to the
+        student.  An answer that fits the student's own numbers only is found out by the hidden tests: nothing is said.
     another_way : dict
         The cells of a right answer that looks quite different.
     by_hand : float
         The points that a person gives.
     always : dict
         Cells that are changed in every slip.
+    pictures : tuple
+        Cells that draw; they take time and have no points.
     """
 
     by_hand = 0
     always: dict = {}  # noqa: RUF012
+    pictures: tuple[str, ...] = ()
 
     def test_numbers_that_were_handed_out_never_change(self):
         """Whatever becomes of kinlib: if this fails, mend the code, not the numbers below."""
@@ -56,9 +61,20 @@ class Marks:
         assert sum(mark["points"] for mark in marks) == 20
         assert [mark["mark"] for mark in marks] == [0] * len(marks)
 
-    def test_a_slip_costs_its_points(self, lost, slip):
-        changes, points = self.slips[slip]
-        assert lost(self.assignment, self.always | changes) == points
+    def test_there_are_ten_slips_at_least(self):
+        assert sum(said is not None for _, _, said in self.slips.values()) >= 10
+
+    def test_a_slip_is_told_below_the_answer_and_costs_its_points(self, slip):
+        changes, points, said = self.slips[slip]
+        found = losses(self.assignment, self.always | changes, without=self.pictures)
+        assert {name: loss.points for name, loss in found.items()} == points, found
+        first = next(iter(found.values()))
+        assert first.seen == (said is not None), first
+        assert (said or "with other numbers than yours") in first.said
+
+    @pytest.mark.parametrize("student", ["ada", "emmy"])
+    def test_what_is_right_passes_all_checks_in_one_process(self, student):
+        assert losses(self.assignment, self.always, student, self.pictures) == {}
 
     def test_another_way_keeps_all_points(self, lost):
         assert lost(self.assignment, self.another_way) == {}

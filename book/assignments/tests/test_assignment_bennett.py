@@ -1,5 +1,7 @@
 """The assignment on Bennett linkages: who is right gets the points, who is wrong loses those of the slip."""
 
+import math
+
 import numpy as np
 
 from kinlib import DualQuaternion, bennett_linkage, conic_through, one, study_eigenvalues, study_form
@@ -11,62 +13,107 @@ UNIT = "h / math.sqrt(null_form(h, h))"
 SLIPS = {
     "the weights are left out": (
         {"conic": ("first, second = p1 * b02 / b12, p2 * b01 / b12", "first, second = p1, p2")},
-        {"conic-on-quadric": 1},
-    ),
-    "the poses are exchanged": ({"conic": ("def conic(p1, p2)", "def conic(p2, p1)")}, {"conic-passes": 2}),
+        {"conic-on-quadric": 1}, "look at the weights of p1 and p2"),
+    "the poses are exchanged": ({"conic": ("def conic(p1, p2)", "def conic(p2, p1)")}, {"conic-passes": 2},
+        "p1 and p2 are exchanged"),
     "the leading coefficient is left": (
         {"conic": ("[one, second - first - 1, first]", "[one * b12, (second - first - 1) * b12, first * b12]")},
-        {"conic-passes": 2},
-    ),
+        {"conic-passes": 2}, "the leading coefficient must be 1"),
     "the conjugate is forgotten": (
         {
             "quartic": "def quartic(C):\n    c2, c1, c0 = C\n    parts = c2 * c2, c2 * c1 + c1 * c2, "
             "c2 * c0 + c1 * c1 + c0 * c2, c1 * c0 + c0 * c1, c0 * c0\n    return [x.scalar_part for x in parts]"
         },
-        {"quartic-of-conic": 2},
-    ),
+        {"quartic-of-conic": 2}, "that is C², the conjugate is missing"),
     "the sign of the linear term is wrong": (
         {"quadratics": ("-2 * root.real", "2 * root.real")},
-        {"quadratics-of-quartic": 2},
-    ),
-    "the visible test's value is returned": (
-        {"quadratics": "def quadratics(coefficients):\n    return [(1, 0, 1), (1, 0, 4)]"},
-        {"quadratics-of-quartic": 2},
-    ),
+        {"quadratics-of-quartic": 2}, "the sign of b is wrong"),
     "the factors of the quotient are in the wrong order": (
         {"right_factor": ("-((c1 - c2 * b).inverse() * (c0 - c2 * c))", "-((c0 - c2 * c) * (c1 - c2 * b).inverse())")},
-        {"right-factor": 2, "first-factorization": 2, "second-factorization": 1},
-    ),
+        {"right-factor": 2, "first-factorization": 2, "second-factorization": 1}, "the order counts"),
     "the factors are in the wrong order": (
         {"both_factorizations": ("(-C[1] - last, last)", "(last, -C[1] - last)")},
-        {"first-factorization": 2, "second-factorization": 1},
-    ),
+        {"first-factorization": 2, "second-factorization": 1}, "that is (t − h2)(t − h1), in the wrong order"),
     "one factorization is given twice": (
         {"both_factorizations": ("for M in (M2, M1)", "for M in (M2, M2)")},
-        {"second-factorization": 1},
-    ),
+        {"second-factorization": 1}, "its last factor belongs to the other quadratic"),
     "the conjugates of the loop are forgotten": (
         {"loop": ("k2.conjugate(), k1.conjugate()", "k2, k1")},
-        {"loop-closes": 2},
-    ),
+        {"loop-closes": 2}, "each joint turns backwards: conjugate"),
     "degrees for radians": (
         {"link": ("/ math.sin(angle), angle", "/ math.sin(angle), math.degrees(angle)")},
-        {"link-angle": 1},
-    ),
+        {"link-angle": 1}, "that is in degrees"),
     "the real parts are left in": (
         {"link": ("(h - h.scalar_part) / math.sqrt(null_form(h - h.scalar_part, h - h.scalar_part))", UNIT)},
-        {"link-distance": 2, "link-angle": 1},
-    ),
+        {"link-distance": 2, "link-angle": 1}, "leave out the real parts"),
     "the null form is forgotten": (
         {"ratio": ("np.linalg.solve(N, S)", "S")},
-        {"ratio-of-poses": 2},
-    ),
+        {"ratio-of-poses": 2}, "the null form is missing"),
     "kinlib is asked": (
         {
             "both_factorizations": "from kinlib import MotionPolynomial, factorizations\n\n\n"
             "def both_factorizations(C, M1, M2):\n    return factorizations(MotionPolynomial([c.coeffs for c in C]))"
         },
-        {"first-factorization": 2, "second-factorization": 1},
+        {"first-factorization": 2, "second-factorization": 1}, "is the answer itself: write your own"),
+    "b is not doubled": (
+        {"quadratics": ("-2 * root.real", "-root.real")},
+        {"quadratics-of-quartic": 2},
+        "b is −2 Re r",
+    ),
+    "the absolute value for its square": (
+        {"quadratics": ("abs(root) ** 2", "abs(root)")},
+        {"quadratics-of-quartic": 2},
+        "c is r r̄ = |r|², not |r|",
+    ),
+    "the sign of the factor is wrong": (
+        {"right_factor": ("return -(", "return (")},
+        {"right-factor": 2, "first-factorization": 2, "second-factorization": 1},
+        "the sign is wrong: r1 h + r0 = 0",
+    ),
+    "the chain turns in the wrong order": (
+        {"body": ("(t - first) * (t - second)", "(t - second) * (t - first)")},
+        {"body-in-poses": 1},
+        "the chain turns about its axes in the wrong order",
+    ),
+    "the way back is not reversed": (
+        {"loop": ("k2.conjugate(), k1.conjugate()", "k1.conjugate(), k2.conjugate()")},
+        {"loop-closes": 2},
+        "on the way back the last joint comes first",
+    ),
+    "the products of different coefficients are missing": (
+        {"quartic": ("2 * null_form(c2, c0) + null_form(c1, c1)", "null_form(c1, c1)")},
+        {"quartic-of-conic": 2},
+        "the quartic: expected",
+    ),
+    "the lowest power comes first": (
+        {"quartic": ("    return [", "    c2, c0 = c0, c2\n    return [")},
+        {"quartic-of-conic": 2},
+        "the lowest power comes last",
+    ),
+    "the distance is not divided by the sine": (
+        {"link": ("abs(study_form(l, m)) / math.sin(angle), angle", "abs(study_form(l, m)), angle")},
+        {"link-distance": 2},
+        "b(l, k) of unit half-turns is a sin α",
+    ),
+    "the distance has a sign": (
+        {"link": ("abs(study_form(l, m))", "study_form(l, m)")},
+        {"link-distance": 2},
+        "a distance is not negative",
+    ),
+    "the angle of two lines without directions": (
+        {"link": ("math.acos(null_form(l, m))", "math.acos(abs(null_form(l, m)))")},
+        {"link-angle": 1},
+        "it is between 0 and π, and may be more than π/2",
+    ),
+    "the difference is not halved": (
+        {"ratio": (" / 2\n", "\n")},
+        {"ratio-of-poses": 2},
+        "halve the difference",
+    ),
+    "the matrices are exchanged": (
+        {"ratio": ("np.linalg.solve(N, S)", "N @ S")},
+        {"ratio-of-poses": 2},
+        "the eigenvalues of S N, not of N⁻¹ S, were taken",
     ),
 }  # fmt: skip
 
@@ -88,6 +135,8 @@ def quartic(C):
     return np.array([x.scalar_part for x in total])
 """,
     "quadratics": """
+from fractions import Fraction
+
 from sympy import Poly, Rational, Symbol
 
 def quadratics(coefficients):
@@ -143,8 +192,9 @@ def ratio(p1, p2):
 
 class TestMarks(Marks):
     assignment = "bennett"
-    numbers = {"data": "0ee3cdf839d2471c"}  # noqa: RUF012
+    numbers = {"data": "65a91774db6cbb37"}  # noqa: RUF012
     slips = SLIPS
+    pictures = ("bennett-table", "bennett-picture")
     another_way = ANOTHER_WAY
 
 
@@ -162,6 +212,16 @@ def test_poses_are_well_conditioned():
     assert roots.imag.min() > 0.9
     assert np.diff(study_eigenvalues(one, p1, p2)).min() > 0.01
     check_linkages(bennett_linkage(one.astype(float), p1, p2))
+
+
+def test_no_number_is_degenerate():
+    """b of a quadratic is not 0, and no two axes are at a right angle, so that no sine is 1."""
+    for n in range(2000):
+        p1, p2 = exercise.data(f"student {n}")
+        C = conic_through(one.astype(float), p1, p2)
+        assert min(abs(root.real) for root in upper_roots(C.norm_polynomial())) > 0.9
+        for row in bennett_linkage(one.astype(float), p1, p2).denavit_hartenberg():
+            assert abs(math.cos(row.twist)) > 0.09
 
 
 def upper_roots(polynomial):

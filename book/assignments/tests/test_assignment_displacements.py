@@ -13,54 +13,119 @@ SLIPS = {
     "the sign of ε in equation (1) is dropped": (
         {"carried": ("q.conjugate().eps_conjugate()", "q.conjugate()")},
         {"carried-yours": 1, "carried-for-all": 2, "matrix-for-all": 2},
+        "the sign of ε in the last factor is wrong",
     ),
     "a pose is taken to have length 1": (
         {"carried": ("(image / image.scalar_part)", "image")},
         {"carried-yours": 1, "carried-for-all": 2, "matrix-for-all": 2, "carry-yours": 2},
+        "it is not divided by p p̄",
     ),
     "the conjugate is forgotten": (
         {"carried": ("q.conjugate().eps_conjugate()", "q.eps_conjugate()")},
         {"carried-yours": 1, "carried-for-all": 2, "matrix-for-all": 2},
+        "the last factor is not conjugated",
     ),
     "the translation is not halved": (
         {"shift": (" / 2", "")},
         {"shift-for-all": 1, "pose-of-yours": 1, "pose-of-half-turns": 2, "carry-yours": 2},
+        "the vector is halved: 1 + ½εv",
     ),
     "the moment is l × a": (
         {"half_turn_about": ("np.cross(a, l)", "np.cross(l, a)")},
         {"half-turn-yours": 1, "half-turn-for-all": 2, "turn-yours": 1, "turn-for-all": 2},
+        "it is a × l, not l × a",
     ),
     "degrees for radians": (
         {"turn": ("    h =", "    angle = math.radians(angle)\n    h =")},
         {"turn-yours": 1, "turn-for-all": 2},
+        "the angle is in radians, not in degrees",
     ),
     "the whole angle for its half": (
         {"turn": ("math.cos(angle / 2) + math.sin(angle / 2)", "math.cos(angle) + math.sin(angle)")},
         {"turn-yours": 1, "turn-for-all": 2},
+        "the pose has half the angle",
     ),
     "the factors are in the wrong order": (
         {"in_turn": ("second * first", "first * second")},
         {"in-turn-for-all": 1},
+        "the right factor acts first",
     ),
     "always the root of the trace, which fails for half-turns": (
         {"pose_of": ("max(multiples, key=lambda w: w.norm().scalar_part)", "multiples[0]")},
         {"pose-of-half-turns": 2},
+        "w_v is 0 for this v",
     ),
     "rows and columns are exchanged": (
         {"matrix_of": ("for *row, shift in zip(*columns, t, strict=True)", "for row, shift in zip(columns, t)")},
         {"matrix-for-all": 2},
+        "rows and columns of the rotation are exchanged",
     ),
-    "the value of the visible check is returned": (
-        {"carried": "def carried(q, x):\n    return (-1, 0, 5) if x == (1, 0, 5) else (4, 5, 0)"},
-        {"carried-yours": 1, "carried-for-all": 2, "matrix-for-all": 2, "carry-yours": 2},
+    "the point is shifted the wrong way": (
+        {
+            "carried": (
+                "return (image / image.scalar_part).coeffs[5:]",
+                "turned = q.primal * (x[0] * i + x[1] * j + x[2] * k) * q.primal.conjugate()\n"
+                "    t = (turned / q.primal.norm().scalar_part).coeffs[1:4]\n"
+                "    return 2 * t - (image / image.scalar_part).coeffs[5:]",
+            )
+        },
+        {"carried-yours": 1, "carried-for-all": 2, "matrix-for-all": 2},
+        "that is where the displacement with the other sign of ε carries it",
+    ),
+    "the moment is missing": (
+        {"half_turn_about": ("*np.cross(a, l)", "0, 0, 0")},
+        {"half-turn-yours": 1, "half-turn-for-all": 2, "turn-yours": 1, "turn-for-all": 2},
+        "the moment is missing: that line goes through the origin",
+    ),
+    "a point for the direction": (
+        {"half_turn_about": ("np.subtract(b, a)", "np.array(b)")},
+        {"half-turn-yours": 1, "half-turn-for-all": 2, "turn-yours": 1, "turn-for-all": 2},
+        "that is the line through a with the direction b",
+    ),
+    "the direction has not length 1": (
+        {"turn": (" / math.dist(a, b)", "")},
+        {"turn-yours": 1, "turn-for-all": 2},
+        "the direction must have length 1",
+    ),
+    "it turns the other way": (
+        {"turn": ("+ math.sin", "- math.sin")},
+        {"turn-yours": 1, "turn-for-all": 2},
+        "it turns the other way",
+    ),
+    "the shift of the pose is missing": (
+        {"pose_of": ("shift(matrix[:3, 3]) * max", "max")},
+        {"pose-of-yours": 1, "pose-of-half-turns": 2},
+        "the shift is missing",
+    ),
+    "it shifts first and turns then": (
+        {
+            "pose_of": (
+                "shift(matrix[:3, 3]) * max(multiples, key=lambda w: w.norm().scalar_part)",
+                "max(multiples, key=lambda w: w.norm().scalar_part) * shift(matrix[:3, 3])",
+            )
+        },
+        {"pose-of-yours": 1, "pose-of-half-turns": 2},
+        "it turns first and shifts then",
+    ),
+    "the way there for the way back": (
+        {
+            "carry": (
+                "carry = shift(c - carried(flip, a)) * flip",
+                "carry = (shift(c - carried(flip, a)) * flip).conjugate()",
+            )
+        },
+        {"carry-yours": 2},
+        "it is c that goes to a: that is the way back",
     ),
     "the student's own pose, whatever was written": (
         {"from_library": "def from_library(library, numbers):\n    return pose"},
         {"from-library-for-all": 2},
+        "that is your own pose",
     ),
     "a neighbour's displacement": (
         {"carry": "carry = DualQuaternion([0, 2, 1, 2, 0, 3, 0, -3])"},
         {"carry-yours": 2},
+        "where a goes: expected",
     ),
     "kinlib is asked": (
         {
@@ -68,6 +133,7 @@ SLIPS = {
             "pose_of": "def pose_of(matrix):\n    return kinlib.from_matrix(matrix)",
         },
         {"carried-yours": 1, "carried-for-all": 2, "matrix-for-all": 2, "pose-of-yours": 1, "pose-of-half-turns": 2},
+        "act of kinlib is the answer itself",
     ),
 }
 
@@ -149,6 +215,7 @@ class TestMarks(Marks):
     assignment = "displacements"
     numbers = {"data": "298a7af2144a4358", "conventions": "4347683ef0f2a642", "samples": "df341d7aec1c82f1"}  # noqa: RUF012
     slips = SLIPS
+    pictures = ("displacements-picture",)
     another_way = ANOTHER_WAY
 
 

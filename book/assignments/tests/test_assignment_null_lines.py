@@ -8,26 +8,32 @@ SLIPS = {
     "the third product of Lemma 1 is forgotten": (
         {"null_line": "def null_line(x, y):\n    return x.norm() == 0 and y.norm() == 0"},
         {"null-line-yours": 1, "null-line-for-all": 2},
+        "the third product x ȳ + y x̄ counts too",
     ),
     "the conjugate is forgotten": (
         {"forms": ("x * y.conjugate() + y * x.conjugate()", "x * y + y * x")},
         {"forms-for-all": 2},
+        "the conjugates are missing: x ȳ and y x̄",
     ),
     "the null cone is taken for its real points": (
         {"places": ("norm.primal == 0", "q.primal == 0")},
         {"places-for-all": 1},
+        "it may for complex points with p ≠ 0",
     ),
     "the factors are in the wrong order": (
         {"pose_at": ("(t1 - h1) * (t2 - h2)", "(t2 - h2) * (t1 - h1)")},
         {"pose-at-for-all": 1, "null-lines-of-dyads": 2, "quadrilateral-of-dyads": 2},
+        "the joint at the base is the left factor",
     ),
     "real parameters": (
         {"null_lines": ("for t1 in (I, -I)", "for t1 in (1, -1)")},
         {"null-lines-of-dyads": 2},
+        "x x̄, y ȳ, x ȳ + y x̄ should be 0",
     ),
     "both signs change from vertex to vertex": (
         {"quadrilateral": ("(1, -1), (1, 1), (-1, 1), (-1, -1)", "(1, 1), (-1, -1), (1, -1), (-1, 1)")},
         {"quadrilateral-of-dyads": 2},
+        "the edge to vertex 2 is no null line",
     ),
     "only the four points are looked at, not their span": (
         {
@@ -37,26 +43,47 @@ SLIPS = {
             "    return any(x.primal == 0 for x in points)",
         },
         {"inside-study-quadric": 1, "meets-exceptional-space": 1, "found-yours": 1},
+        "is b(x, y) = 0 for each two of them?",
     ),
     "a vertex of the quadrilateral for a point off the Study quadric": (
         {"stray": "stray = (I - g1) * (I - g2)"},
         {"stray-yours": 2},
+        "the point is on the Study quadric",
     ),
     "complex points for real ones": (
         {"real_pair": "real_pair = null_lines(h1, h2)[0]"},
         {"real-pair": 1},
+        "both points must be real",
     ),
     "a neighbour's spaces": (
         {"found": "found = dict(zip('ABCD', ('parallel axes', 'skew axes', 'prismatic joint', 'intersecting axes')))"},
         {"found-yours": 1},
+        "let your two functions tell you",
     ),
     "one of the three lines is there twice": (
         {"three_lines": ("(slide, h * slide)", "(I - h, (I - h) * (1 + slide))")},
         {"three-lines-of-slides": 1},
+        "is missing; is another there twice?",
     ),
-    "the value of the visible check is returned": (
-        {"three_lines": ("    slide =", "    h, v = i, (1, 1, 0)\n    slide =")},
-        {"three-lines-of-slides": 1},
+    "the forms are twice too large": (
+        {"forms": ("mixed.coeffs[n] / 2", "mixed.coeffs[n]")},
+        {"forms-for-all": 2},
+        "both are twice too large",
+    ),
+    "the forms are exchanged": (
+        {"forms": ("(0, 4)", "(4, 0)")},
+        {"forms-for-all": 2, "inside-study-quadric": 1, "meets-exceptional-space": 1, "found-yours": 1},
+        "they are exchanged: the null form comes first",
+    ),
+    "the half-turns have the wrong sign": (
+        {"pose_at": ("(t1 - h1) * (t2 - h2)", "(t1 + h1) * (t2 + h2)")},
+        {"pose-at-for-all": 1},
+        "the sign of the half-turns is wrong",
+    ),
+    "two of the null lines are there twice": (
+        {"null_lines": ("for t2 in (I, -I)", "for t2 in (I, I)")},
+        {"null-lines-of-dyads": 2},
+        "is missing; is another there twice?",
     ),
     "kinlib is asked": (
         {
@@ -70,6 +97,7 @@ SLIPS = {
             "inside-study-quadric": 1,
             "meets-exceptional-space": 1,
         },
+        "of kinlib is the answer itself",
     ),
 }
 
@@ -126,8 +154,9 @@ def three_lines(h, v):
 
 class TestMarks(Marks):
     assignment = "null_lines"
-    numbers = {"data": "47fe913f88986dec", "kinds": "294c5b96ac647bae", "spaces": "90ccc91a71263064"}  # noqa: RUF012
+    numbers = {"data": "47fe913f88986dec", "_kinds": "294c5b96ac647bae", "spaces": "90ccc91a71263064"}  # noqa: RUF012
     slips = SLIPS
+    pictures = ("null-lines-picture",)
     another_way = ANOTHER_WAY
     by_hand = 2
 
@@ -153,7 +182,7 @@ def test_spaces_are_what_they_are_called():
         "prismatic joint": (False, 1),
     }
     for n in range(30):
-        kinds = exercise.kinds(f"student {n}")
+        kinds = exercise._kinds(f"student {n}")
         for name, points in exercise.spaces(f"student {n}").items():
             space = join(points)
             assert space.dimension == 3

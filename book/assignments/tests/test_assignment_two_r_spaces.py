@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from kinlib import DegenerateError, DualQuaternion, recognise, same_point
+from kinlib import DegenerateError, DualQuaternion, null_form, recognise, same_point, study_form
 from kinlib_assignments import two_r_spaces as exercise
 from marks import Marks
 
@@ -11,52 +11,119 @@ SLIPS = {
     "the Study form is half of what it should be": (
         {"study_matrix": ("x.coeffs * y.coeffs[swapped]", "x.coeffs[:4] * y.coeffs[4:]")},
         {"study-gram": 2, "verdict-of-any": 2, "verdicts-of-yours": 1, "axes-in-any-order": 2, "axes-in-order": 2},
-    ),
+        "a form is symmetric: d with r counts too"),
     "the null form counts the dual parts": (
         {"null_matrix": ("sum(x.coeffs[:4] * y.coeffs[:4])", "sum(x.coeffs * y.coeffs)")},
         {"null-gram": 1, "meets-exceptional": 1, "verdict-of-any": 2, "verdicts-of-yours": 1},
-    ),
+        "only the primal parts count"),
     "only primal parts are looked at": (
         {"contains": "def contains(basis, x):\n    rows = [point.coeffs[:4] for point in basis]\n"
          "    return Matrix([*rows, x.coeffs[:4]]).rank() == Matrix(rows).rank()"},
         {"contains-point": 2, "verdict-of-any": 2, "verdicts-of-yours": 1, "axes-in-order": 2},
-    ),
+        "its dual part counts too"),
     "the identity is looked for among the four points": (
         {"verdict": ("if not contains(basis, one)", "if not any(x == one for x in basis)")},
-        {"verdict-of-any": 2, "verdicts-of-yours": 1},
-    ),
-    "the factors are in the wrong order": ({"space_matrix": ("N.inv() * S", "S * N.inv()")}, {"relative-matrix": 1}),
+        {"verdict-of-any": 2, "verdicts-of-yours": 1}, "is not of the kind 'misses the identity': [1] is in it"),
+    "the factors are in the wrong order": ({"space_matrix": ("N.inv() * S", "S * N.inv()")}, {"relative-matrix": 1},
+        "that is S N⁻¹: the factors are in the wrong order"),
     "the whole trace is taken": (
         {"kappa": ("A.trace() / 2 * A", "A.trace() * A")},
         {"kappa-value": 2, "kappa-missing": 1, "proportions-of-axes": 2, "verdict-of-any": 2, "verdicts-of-yours": 1},
-    ),
+        "half the trace is needed"),
     "one entry of the equation is looked at": (
         {"kappa": (" if rest == rest[0, 0] * eye(4) else None", "")},
-        {"kappa-missing": 1, "verdict-of-any": 2, "verdicts-of-yours": 1},
-    ),
+        {"kappa-missing": 1, "verdict-of-any": 2, "verdicts-of-yours": 1}, "None is right"),
     "the sign of kappa is wrong": (
         {"kappa": ("return rest[0, 0]", "return -rest[0, 0]")},
-        {"kappa-value": 2, "proportions-of-axes": 2},
-    ),
+        {"kappa-value": 2, "proportions-of-axes": 2}, "κ: the sign is wrong"),
     "the tangent for the cotangent": (
         {"proportions": ("A.trace() ** 2 / (16 * distance_squared)", "16 * distance_squared / A.trace() ** 2")},
-        {"proportions-of-axes": 2},
+        {"proportions-of-axes": 2}, "the tangent, not of the cotangent"),
+    "b is twice as large": (
+        {"study_matrix": ("Matrix([[sum", "2 * Matrix([[sum")},
+        {"study-gram": 2},
+        "each product counts once: it is twice as large",
     ),
-    "the visible test's value is returned": (
-        {"proportions": "def proportions(A):\n    return 1, 0"},
+    "the null form for the Study form": (
+        {"study_matrix": ("y.coeffs[swapped]", "y.coeffs * [1, 1, 1, 1, 0, 0, 0, 0]")},
+        {"study-gram": 2, "verdict-of-any": 2, "verdicts-of-yours": 1, "axes-in-any-order": 2, "axes-in-order": 2},
+        "that is the null form",
+    ),
+    "E is looked for among the four points": (
+        {"meets_exceptional": ("return null_matrix(basis).det() == 0", "return any(x.primal == 0 for x in basis)")},
+        {"meets-exceptional": 1, "verdict-of-any": 2, "verdicts-of-yours": 1},
+        "a sum of its points has no primal part",
+    ),
+    "S is inverted for N": (
+        {"space_matrix": ("N.inv() * S", "S.pinv() * N")},
+        {"relative-matrix": 1, "verdict-of-any": 2, "verdicts-of-yours": 1},
+        "it is N that is inverted",
+    ),
+    "only the diagonal is looked at": (
+        {"kappa": ("rest == rest[0, 0] * eye(4)", "len(set(rest.diagonal())) == 1")},
+        {"kappa-missing": 1},
+        "not at the diagonal only",
+    ),
+    "kappa of the values, not of the matrix": (
+        {"kappa": ("return rest[0, 0] if", "return rest if")},
+        {"kappa-value": 2, "kappa-missing": 1, "proportions-of-axes": 2, "verdict-of-any": 2, "verdicts-of-yours": 1},
+        "κ",
+    ),
+    "no kappa for zero": (
+        {"kappa": ("return rest[0, 0] if", "return (rest[0, 0] or None) if")},
+        {"kappa-missing": 1, "verdict-of-any": 2, "verdicts-of-yours": 1},
+        "κ is 0 for this A, which is not the same as none",
+    ),
+    "the cosine for the cotangent": (
+        {"proportions": ("A.trace() ** 2 / (16 * distance_squared)",
+                         "A.trace() ** 2 / (16 * distance_squared + A.trace() ** 2)")},
         {"proportions-of-axes": 2},
+        "the second number is cos²α",
+    ),
+    "twice two eigenvalues": (
+        {"proportions": ("16 * distance", "4 * distance")},
+        {"proportions-of-axes": 2},
+        "there are four eigenvalues, each of them twice",
+    ),
+    "a for its square": (
+        {"proportions": ("return distance_squared,", "return distance_squared ** 0.5,")},
+        {"proportions-of-axes": 2},
+        "they are squares: a, not a², was given",
+    ),
+    "the conditions in another order": (
+        {"verdict": ('    S, N = study_matrix(basis), null_matrix(basis)\n'
+                     '    if S.is_zero_matrix:\n        return "lies on S"\n'
+                     '    if meets_exceptional(basis):\n        return "meets E"\n',
+                     '    S, N = study_matrix(basis), null_matrix(basis)\n    if meets_exceptional(basis):\n'
+                     '        return "meets E"\n')},
+        {"verdict-of-any": 2, "verdicts-of-yours": 1},
+        "is not of the kind 'kappa is zero'",
+    ),
+    "one verdict is wrong": (
+        {"verdicts": ("verdicts = [verdict(space) for space in spaces]",
+                      "verdicts = [verdict(space) for space in spaces]\nverdicts[0] = 'kappa is zero'")},
+        {"verdicts-of-yours": 1},
+        "a condition that comes earlier in the table fails already",
+    ),
+    "points with a real part": (
+        {"half_turn_line": ("rows[:, [0, 4]].T", "rows[:, [0]].T")},
+        {"half-turn-line": 1, "axes-in-any-order": 2, "axes-in-order": 2},
+        "expected 2 points of it, got 3",
+    ),
+    "both axes are one": (
+        {"axes": ("return (first, second) if", "return (first, first) if")},
+        {"axes-in-any-order": 2, "axes-in-order": 2},
+        "both are the same point",
     ),
     "the order of the axes is left to chance": (
         {"axes": (" if contains(basis, first * second) else (second, first)", "")},
-        {"axes-in-order": 2},
-    ),
+        {"axes-in-order": 2}, "h1 and h2 are exchanged"),
     "kinlib is asked": (
         {
             "axes": "from kinlib import recognise\n\n\ndef axes(basis):\n"
             "    dyad = recognise(DualQuaternion.stack(basis))\n    return dyad.h1, dyad.h2"
         },
-        {"axes-in-any-order": 2, "axes-in-order": 2},
-    ),
+        {"axes-in-any-order": 2, "axes-in-order": 2}, "recognise of kinlib is the answer itself"),
 }  # fmt: skip
 
 ANOTHER_WAY = {
@@ -118,8 +185,9 @@ def axes(basis):
 
 class TestMarks(Marks):
     assignment = "two_r_spaces"
-    numbers = {"answers": "f2b12f85a51f1372"}  # noqa: RUF012
+    numbers = {"_answers": "f2b12f85a51f1372"}  # noqa: RUF012
     slips = SLIPS
+    pictures = ("space-picture",)
     another_way = ANOTHER_WAY
 
 
@@ -131,7 +199,7 @@ def test_the_verdicts_are_those_of_the_procedure():
         "no kappa": "no null quadrilateral",
         "kappa is zero": "singular quadric",
     }
-    for space in (space for n in range(5) for space in exercise.answers(f"student {n}")):
+    for space in (space for n in range(5) for space in exercise._answers(f"student {n}")):
         points = DualQuaternion.stack(space.points)
         if space.axes:
             dyad = recognise(points)
@@ -143,9 +211,12 @@ def test_the_verdicts_are_those_of_the_procedure():
 
 
 def test_spaces_are_well_conditioned():
-    found = [exercise.answers(f"student {n}") for n in range(3000)]
+    found = [exercise._answers(f"student {n}") for n in range(3000)]
     orders = {tuple(space.verdict for space in spaces) for spaces in found}
     assert len(orders) > 1000
+    for space in (space for spaces in found[:2000] for space in spaces if space.axes):
+        h1, h2 = space.axes
+        assert 0 not in (null_form(h1, h2), study_form(h1, h2)), "cot²α or a would be 0"
     rows = [[[x.components.tolist() for x in space.points] for space in spaces] for spaces in found]
     coeffs = np.array(rows, dtype=float)
     assert np.unique(coeffs.reshape(len(found), -1), axis=0).shape[0] == len(found)

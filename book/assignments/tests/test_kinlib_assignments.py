@@ -1,17 +1,29 @@
 """What the assignments share: numbers of one's own, withheld answers, checks that say what is wrong."""
 
+import builtins
+import contextlib
+import importlib.util
+import inspect
+import os
+import subprocess
+import sys
 from collections import Counter
 from fractions import Fraction
+from types import FunctionType
+from unittest.mock import patch
 
 import numpy as np
 import pytest
 import sympy
 
 import kinlib
+import kinlib_assignments
 from kinlib import DualQuaternion, eps, factorize, i, j, null_form, study_form
-from kinlib_assignments import Lot, student_id, withheld
-from kinlib_assignments.checks import assert_equal, assert_point, numbers
-from kinlib_assignments.withhold import defined_beside
+from kinlib_assignments import Lot, checks, student_id, withheld
+from kinlib_assignments import dual_quaternions as exercise
+from kinlib_assignments.checks import assert_equal, assert_point, numbers, truth
+from kinlib_assignments.seal import assert_untouched
+from kinlib_assignments.withhold import answer_of, defined_beside
 
 # ---- numbers of one's own --------------------------------------------------------------------------------
 
@@ -65,9 +77,17 @@ def test_the_graders_id_counts_more_than_the_written_one(monkeypatch):
     assert student_id("Emmy") == student_id("") == "ada"
 
 
+def test_the_id_is_what_the_notebook_calls_student(monkeypatch):
+    monkeypatch.delenv("KINLIB_STUDENT", raising=False)
+    monkeypatch.setitem(globals(), "student", 4711)
+    assert student_id() == "4711"
+
+
 def test_no_id_is_refused(monkeypatch):
     monkeypatch.delenv("KINLIB_STUDENT", raising=False)
-    with pytest.raises(ValueError, match="write your id"):
+    with pytest.raises(ValueError, match="between quotation marks"):
+        student_id()
+    with pytest.raises(ValueError, match="your id is missing"):
         student_id("  ")
 
 
@@ -109,7 +129,142 @@ def test_what_is_withheld_comes_back_after_an_error():
     assert i.norm() == 1
 
 
+def copied(function):
+    mine = FunctionType(function.__code__, function.__globals__, "mine", function.__defaults__, function.__closure__)
+    mine.__kwdefaults__ = function.__kwdefaults__
+    return mine
+
+
+def imported_twice(function):
+    spec = importlib.util.find_spec(function.__module__)
+    module = importlib.util.module_from_spec(spec)
+    with patch.dict(sys.modules, {"a second copy": module}):
+        spec.loader.exec_module(module)
+    return getattr(module, function.__name__)
+
+
+@pytest.mark.parametrize("again", [copied, imported_twice])
+def test_a_copy_of_what_is_withheld_is_recognised(again):
+    mine = again(kinlib.act)
+    assert np.array_equal(mine(i, (1, 2, 3)), (1, -2, -3))
+    with pytest.raises(AssertionError, match="act of kinlib is the answer itself"):
+        answer_of(mine, i, (1, 2, 3), without=(kinlib.act,))
+    assert np.array_equal(mine(i, (1, 2, 3)), (1, -2, -3))
+
+
+def test_a_refusal_that_is_caught_is_told_all_the_same():
+    mine = copied(kinlib.act)
+
+    def twice(x):
+        for _ in range(2):
+            with contextlib.suppress(AssertionError):
+                return mine(i, x)
+        return None
+
+    with pytest.raises(AssertionError, match="act of kinlib is the answer itself"):
+        answer_of(twice, (1, 2, 3), without=(kinlib.act,))
+
+
+def test_a_function_of_ones_own_like_one_of_kinlib_is_not_taken_for_it():
+    text = inspect.getsource(kinlib.null_form)
+    made = dict(vars(sys.modules[kinlib.null_form.__module__]))
+    exec(compile(text, "<a cell>", "exec"), made)
+    assert answer_of(made["null_form"], i, i, without=(kinlib.null_form,)) == 1
+
+
+ASKING = {
+    "a subprocess": lambda: subprocess.run([sys.executable, "-V"], check=True),
+    "the shell": lambda: os.system("true"),
+    "a fork": os.fork,
+}
+
+
+@pytest.mark.parametrize("ask", ASKING.values(), ids=ASKING)
+def test_no_other_program_is_asked(ask):
+    with pytest.raises(AssertionError, match="another program"):
+        answer_of(ask)
+
+
+def test_what_is_no_function_any_more_is_said():
+    with pytest.raises(AssertionError, match="was its name used for something else"):
+        answer_of(3)
+
+
+# ---- changed checks --------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("owner", "name"),
+    [
+        (checks, "assert_equal"),
+        (exercise, "check_d0"),
+        (exercise, "assert_equal"),
+        (exercise, "_d0"),
+        (kinlib_assignments, "student_id"),
+        (kinlib, "is_zero"),
+        (DualQuaternion, "__eq__"),
+        (builtins, "all"),
+        (np, "all"),
+    ],
+)
+def test_what_is_replaced_is_found(owner, name, monkeypatch):
+    with monkeypatch.context() as patched:
+        patched.setattr(owner, name, lambda *given, **named: True)
+        with pytest.raises(AssertionError, match=f"this notebook replaced what the checks need: .*{name}"):
+            assert_untouched()
+    assert_untouched()
+
+
+def test_exchanged_code_is_found(monkeypatch):
+    monkeypatch.setattr(checks.assert_equal, "__code__", (lambda *given, **named: None).__code__)
+    with pytest.raises(AssertionError, match="assert_equal"):
+        assert_untouched()
+
+
 # ---- checks ----------------------------------------------------------------------------------------------
+
+
+class Flattering:
+    """Equals everything, and leaves nothing when anything is taken from it."""
+
+    def __eq__(self, other):
+        return True
+
+    def __sub__(self, other):
+        return 0
+
+    __hash__ = None
+    __rsub__ = __add__ = __mul__ = __sub__
+
+
+class Pleasing(int):
+    """A whole number that is whatever is asked for."""
+
+    __eq__ = Flattering.__eq__
+    __sub__ = __rsub__ = Flattering.__sub__
+    __hash__ = None
+
+
+@pytest.mark.parametrize("answer", [Flattering(), 1, "True", [True], None])
+def test_only_true_and_false_are_so(answer):
+    with pytest.raises(AssertionError, match=r"True or False|nothing was returned"):
+        truth(answer, "the answer")
+
+
+@pytest.mark.parametrize("answer", [True, np.True_, sympy.true])
+def test_true_is_true_wherever_it_comes_from(answer):
+    assert truth(answer, "the answer")
+
+
+def test_floats_are_refused_where_fractions_are_asked_for():
+    assert_equal([Fraction(1, 2), 1], [Fraction(1, 2), 1], "the pair", exact=True)
+    with pytest.raises(AssertionError, match="must be exact"):
+        assert_equal([0.5, 1], [Fraction(1, 2), 1], "the pair", exact=True)
+
+
+def test_a_secret_is_kept():
+    with pytest.raises(AssertionError, match="the number: something else than 3"):
+        assert_equal(3, 17, "the number", secret=True)
 
 
 @pytest.mark.parametrize(
@@ -121,6 +276,10 @@ def test_what_is_withheld_comes_back_after_an_error():
         ([1, 2, 3], "expected 2 numbers, got 3 numbers"),
         ([[1, 2]], "expected 2 numbers, got an array of shape"),
         ([1.0, np.nan], "infinite or not a number"),
+        (Flattering(), "expected numbers"),
+        ([1, Flattering()], "expected numbers"),
+        (np.array([1, Flattering()]), "expected numbers"),
+        ([1, Pleasing(2)], "expected numbers"),
     ],
 )
 def test_what_is_no_answer_is_said(answer, said):
