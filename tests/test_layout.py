@@ -46,6 +46,7 @@ ORDER = [
     "goldberg",
     "gallery",
     "testing",
+    "pictures.formula",
     "pictures.colours",
     "pictures.floats",
     "pictures.bars",

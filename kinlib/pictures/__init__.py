@@ -34,6 +34,7 @@ try:
         on_hyperboloid,
         write_picture,
     )
+    from kinlib.pictures.formula import Formula, record
     from kinlib.pictures.joint_angles import draw_joint_angles
     from kinlib.pictures.moving import dyad_scene, linkage_scene, linkages_side_by_side
     from kinlib.pictures.page import static_files
@@ -58,6 +59,7 @@ __all__ = [
     "YELLOW",
     "Ball",
     "Curve",
+    "Formula",
     "Frame",
     "Label",
     "Rod",
@@ -80,6 +82,7 @@ __all__ = [
     "linkages_side_by_side",
     "on_hyperboloid",
     "plane_axes",
+    "record",
     "space_axes",
     "static_files",
     "write_picture",
