@@ -108,7 +108,7 @@ def goldberg_scene(
         "motion": [0, 0, 1, 1, 0, 0, 1, 1], "plane": [n // 2 for n in range(8)],
         "choices": [f"{n + 1}: {PLACES[n // 2].removesuffix(': ')}" for n in range(8)],
         "chooser": "linkage", "pad": "the number z", "limits": [x, y], "start": z, "choice": choice,
-        "bad": [fault.meaning if hasattr(fault, "meaning") else fault.words for fault in FAULTS], "near": NEAR,
+        "bad": [fault.message for fault in FAULTS], "near": NEAR,
         "colours": link_colours(example), "pin": PIN, "coupler": example.coupler, "steps": 96,
         "point": _home_point(example, point), "picture": _plane_picture(planes, x, y),
         "recipe": {"poses": [[float(c) for c in p.coeffs] for p in (p0, p1, p2)]},

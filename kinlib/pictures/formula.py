@@ -413,9 +413,10 @@ def _check_values(
     """Compare the formula with the function, each row of results by its largest number."""
     for n in range(POINTS):
         point = {name: float(values[n]) for name, values in points.items()}
-        rows = zip(_rows(formula.evaluate(**point)), _rows(_mapped(function(**point), float)), strict=True)
-        for found, expected in rows:
-            scale = max(map(abs, expected), default=0.0) or 1.0
+        results, wanted = formula.evaluate(**point), _mapped(function(**point), float)
+        rounded = 1e-3 * min(1.0, max(map(abs, _leaves(wanted)), default=0.0) or 1.0)  # of rows that should be zero
+        for found, expected in zip(_rows(results), _rows(wanted), strict=True):
+            scale = max(rounded, *map(abs, expected))
             gap = max(abs(a - b) for a, b in zip(found, expected, strict=True))
             if not gap <= rtol * scale:
                 raise ValueError(
