@@ -62,6 +62,7 @@ ORDER = [
     "pictures.page",
     "pictures.scene",
     "pictures.moving",
+    "pictures.explorable",
 ]
 
 PUBLIC = [

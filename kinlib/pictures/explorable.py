@@ -13,6 +13,7 @@ from typing import Any
 import matplotlib.pyplot as plt
 import numpy as np
 
+from kinlib.displacement import act
 from kinlib.dual_quaternion import DualQuaternion, null_form
 from kinlib.goldberg import PLACES, goldberg_linkages
 from kinlib.line import Line, common_perpendicular
@@ -111,6 +112,7 @@ def goldberg_scene(
         "bad": [fault.message for fault in FAULTS], "near": NEAR,
         "colours": link_colours(example), "pin": PIN, "coupler": example.coupler, "steps": 96,
         "point": _home_point(example, point), "picture": _plane_picture(planes, x, y),
+        "kept": [view.place(frame.points()[0]) for frame in frames],
         "recipe": {"poses": [[float(c) for c in p.coeffs] for p in (p0, p1, p2)]},
     }  # fmt: skip
     table = scene.recording() | tidy({
@@ -122,8 +124,6 @@ def goldberg_scene(
 
 
 def _home_point(linkage: Linkage, point: Sequence[float]) -> list[float]:
-    from kinlib.displacement import act
-
     return [float(c) for c in act(linkage.home, list(point))]
 
 

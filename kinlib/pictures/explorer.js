@@ -13,6 +13,7 @@ window.explore = (recording, state, draw) => {
   let group = null; // three.js's, with all that is drawn
   let pieces = [];
   let trail = null;
+  let dragging = false;
 
   // ---- the page
   const make = (tag, attributes, parent, text) => {
@@ -62,8 +63,10 @@ window.explore = (recording, state, draw) => {
       const line = make("tr", {}, table);
       row.forEach((cell, k) => make(n && k ? "td" : "th", n ? (k ? {} : { scope: "row" }) : { scope: "col" }, line, cell));
     });
-    link.href = `#${hash()}`;
+    if (window.parent === window) link.href = `#${hash()}`;
+    else link.textContent = hash(); // a frame has no address of its own: text to copy
     if (group && !wrong) drawTrail();
+    if (!wrong && !dragging) show();
     draw();
   }
   const rows = () => [["link", "distance", "twist in °", "offset"],
@@ -125,6 +128,17 @@ window.explore = (recording, state, draw) => {
     });
     trail.instanceMatrix.needsUpdate = true;
   }
+  // All of the linkage comes into view, unless it runs far away.
+  function show() {
+    const turn = [...Array(8).keys()].map((n) => displacements(Math.PI * n / 4));
+    const points = turn.flatMap((links) => links.flatMap((q, n) => [
+      ...now.linkages[chosen][1][(n + links.length - 1) % links.length].map((p) => moved(q, p)),
+      ...(n === given.coupler ? [moved(q, given.point)] : []),
+    ])).map(inView);
+    const far = (p) => Math.max(...p.map(Math.abs));
+    recording.cells[0].hull = [...given.kept, ...points.filter((p) => far(p) < 3)];
+    if (state.refit) state.refit();
+  }
   function placeAll() {
     group.visible = !wrong;
     if (wrong) return;
@@ -161,9 +175,14 @@ window.explore = (recording, state, draw) => {
   }
   pad.addEventListener("pointerdown", (event) => {
     pad.setPointerCapture(event.pointerId);
+    dragging = true;
     drag(event);
   });
   pad.addEventListener("pointermove", (event) => { if (pad.hasPointerCapture(event.pointerId)) drag(event); });
+  pad.addEventListener("lostpointercapture", () => {
+    dragging = false;
+    refresh();
+  });
   const arrows = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1] };
   pad.addEventListener("keydown", (event) => {
     if (event.key === "Home") go(start);

@@ -143,6 +143,7 @@
     },
     matrix: (body, cell = 0) => bodyMatrix(cell, body),
     view: () => direction(),
+    refit: () => fit(),
   };
   window.kinlib = state;
   const explorer = recording.explorer && window.explore(recording, state, () => (state.ready ? draw() : showTime()));
