@@ -154,7 +154,7 @@ def _shapes(poses: Sequence[DualQuaternion], planes: Sequence[ZPlane], x: Any, y
     """Axes, bars, factors and rows of all eight, partners, and how far bad places are."""
     partners = [plane.partner((x, y)) for plane in planes]
     return {
-        "linkages": [_shape(linkage) for linkage in goldberg_linkages(*poses, (x, y))],
+        "linkages": [_shape(linkage) for linkage in goldberg_linkages(poses[0], poses[1], poses[2], (x, y))],
         "partner": [list(partner) for partner in partners],
         "bad": [_distances(plane, x, y, *partner) for plane, partner in zip(planes, partners, strict=True)],
     }

@@ -1,6 +1,6 @@
 // What a reader can change in a scene: a point of a plane and a choice; the linkage follows by recorded formulas.
 "use strict";
-window.explore = (recording, state, draw) => {
+window.explore = (recording, { state, draw, frame }) => {
   const { explorer: given, cells: [{ unit, centre }], frames } = recording;
   const formula = (text) => Function(`"use strict";return ${text}`)();
   const shapes = formula(given.shapes);
@@ -14,6 +14,7 @@ window.explore = (recording, state, draw) => {
   let pieces = [];
   let trail = null;
   let dragging = false;
+  let box = null; // where the pad is
 
   // ---- the page
   const make = (tag, attributes, parent, text) => {
@@ -58,11 +59,7 @@ window.explore = (recording, state, draw) => {
     move(second, now.partner[given.plane[chosen]]);
     select.value = chosen;
     table.hidden = Boolean(wrong);
-    table.replaceChildren();
-    if (!wrong) rows().forEach((row, n) => {
-      const line = make("tr", {}, table);
-      row.forEach((cell, k) => make(n && k ? "td" : "th", n ? (k ? {} : { scope: "row" }) : { scope: "col" }, line, cell));
-    });
+    if (!wrong) writeTable();
     if (window.parent === window) link.href = `#${hash()}`;
     else link.textContent = hash(); // a frame has no address of its own: text to copy
     if (group && !wrong) drawTrail();
@@ -71,6 +68,17 @@ window.explore = (recording, state, draw) => {
   }
   const rows = () => [["link", "distance", "twist in °", "offset"],
     ...numbers().map(([a, b, d], n) => [`${n + 1}`, short(a), (b * 180 / Math.PI).toFixed(1).replace("-", "−"), short(d)])];
+  let cells = null;
+  function writeTable() {
+    const texts = rows();
+    cells = cells || texts.map((row, n) => {
+      const line = make("tr", {}, table);
+      return row.map((_, k) => make(n && k ? "td" : "th", n ? (k ? {} : { scope: "row" }) : { scope: "col" }, line));
+    });
+    texts.forEach((row, n) => row.forEach((text, k) => {
+      if (cells[n][k].textContent !== text) cells[n][k].textContent = text;
+    }));
+  }
   const numbers = () => now.linkages[chosen][3];
   const hash = () => `x=${+point[0].toFixed(4)}&y=${+point[1].toFixed(4)}&linkage=${chosen}`;
 
@@ -137,7 +145,7 @@ window.explore = (recording, state, draw) => {
     ])).map(inView);
     const far = (p) => Math.max(...p.map(Math.abs));
     recording.cells[0].hull = [...given.kept, ...points.filter((p) => far(p) < 3)];
-    if (state.refit) state.refit();
+    frame();
   }
   function placeAll() {
     group.visible = !wrong;
@@ -169,13 +177,13 @@ window.explore = (recording, state, draw) => {
     refresh();
   }
   function drag(event) {
-    const box = pad.getBoundingClientRect();
     const share = [(event.clientX - box.left) / box.width, 1 - (event.clientY - box.top) / box.height];
     go(share.map((s, k) => given.limits[k][0] + s * (given.limits[k][1] - given.limits[k][0])));
   }
   pad.addEventListener("pointerdown", (event) => {
     pad.setPointerCapture(event.pointerId);
     dragging = true;
+    box = pad.getBoundingClientRect();
     drag(event);
   });
   pad.addEventListener("pointermove", (event) => { if (pad.hasPointerCapture(event.pointerId)) drag(event); });

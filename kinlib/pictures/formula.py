@@ -284,8 +284,9 @@ class Formula:
 
         Examples
         --------
-        >>> record(lambda x, y: [x + y, x * x], {"x": (0, 1), "y": (0, 1)}).evaluate(x=2.0, y=3.0)
-        [5.0, 4.0]
+        >>> formula = record(lambda x, y: [x + y, x * x], {"x": (0, 1), "y": (0, 1)})
+        >>> [value.tolist() for value in formula.evaluate(x=np.array([1.0, 2.0]), y=3.0)]
+        [[4.0, 5.0], [1.0, 4.0]]
         """
         if set(values) != set(self.inputs):
             raise TypeError(f"expected values for {', '.join(self.inputs)}, got {', '.join(values) or 'none'}")
@@ -347,8 +348,8 @@ def record(
     --------
     >>> formula = record(lambda x: (1 + x * i) * (1 - x * i), {"x": (-1, 1)})
     >>> formula
-    <Formula of x in 2 steps>
-    >>> formula.evaluate(x=0.5)
+    <Formula of x in 3 steps>
+    >>> [float(value) for value in formula.evaluate(x=0.5)]
     [1.25, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0]
     """
     chance = random.Random(seed)

@@ -143,10 +143,13 @@
     },
     matrix: (body, cell = 0) => bodyMatrix(cell, body),
     view: () => direction(),
-    refit: () => fit(),
   };
   window.kinlib = state;
-  const explorer = recording.explorer && window.explore(recording, state, () => (state.ready ? draw() : showTime()));
+  const explorer = recording.explorer && window.explore(recording, {
+    state,
+    draw: () => (state.ready ? wake() : showTime()),
+    frame: () => { if (renderer && !touched) frameHulls(); },
+  });
 
   let last = 0; // when time was last looked at
   let lingering = 0; // how long the motion still waits where it is
