@@ -6,7 +6,7 @@ import pytest
 import kinlib as kl
 from browser import console_messages, requested_urls, screen, wait_until
 from kinlib.gallery import THREE_POSES
-from kinlib.pictures import goldberg_scene
+from kinlib.pictures import goldberg_scene, static_files
 from kinlib.pictures.explorable import motion_formula
 
 ALT = "A Goldberg linkage through three poses follows the number z."
@@ -99,3 +99,20 @@ def test_the_link_holds_the_state(scene, chromium):
         )
         pad, stage = (driver.find_element("class name", name).rect for name in ("pad", "stage"))
         assert pad["y"] + pad["height"] <= stage["y"]
+
+
+def test_the_scene_works_in_a_book(chromium, tmp_path, monkeypatch):
+    monkeypatch.setenv("KINLIB_SCENE", "shared")
+    for name, file in static_files().items():
+        target = tmp_path / "_static" / name
+        target.parent.mkdir(parents=True, exist_ok=True)
+        target.write_bytes(file.read_bytes())
+    root = '<!doctype html><html lang="en" data-content_root="./"><meta charset="utf-8"><title>Book</title><body>'
+    (tmp_path / "page.html").write_text(root + goldberg_scene(THREE_POSES, alt=ALT)._repr_html_(), encoding="utf-8")
+    chromium.get((tmp_path / "page.html").as_uri())
+    chromium.switch_to.frame(chromium.find_element("css selector", "iframe"))
+    try:
+        wait_until(lambda: chromium.execute_script("return window.kinlib && kinlib.ready && kinlib.axes()"))
+        assert chromium.find_elements("css selector", ".choices a")[0].text == "x=1&y=2&linkage=4"
+    finally:
+        chromium.switch_to.default_content()

@@ -60,7 +60,7 @@ window.explore = (recording, { state, draw, frame }) => {
     select.value = chosen;
     table.hidden = Boolean(wrong);
     if (!wrong) writeTable();
-    if (window.parent === window) link.href = `#${hash()}`;
+    if (window.parent === window) link.setAttribute("href", `#${hash()}`);
     else link.textContent = hash(); // a frame has no address of its own: text to copy
     if (group && !wrong) drawTrail();
     if (!wrong && !dragging) show();
