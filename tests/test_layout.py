@@ -49,6 +49,7 @@ ORDER = [
     "goldberg",
     "gallery",
     "testing",
+    "pictures.formula",
     "pictures.colours",
     "pictures.floats",
     "pictures.bars",
@@ -64,6 +65,7 @@ ORDER = [
     "pictures.page",
     "pictures.scene",
     "pictures.moving",
+    "pictures.explorable",
 ]
 
 PUBLIC = [

@@ -41,7 +41,7 @@ def test_the_wheel_holds_every_file(wheel):
 
 def test_the_wheel_has_its_types_and_its_player(wheel):
     names = zipfile.ZipFile(wheel).namelist()
-    player = {f"kinlib/pictures/{name}" for name in ("__init__.py", "viewer.js", "viewer.css")}
+    player = {f"kinlib/pictures/{name}" for name in ("__init__.py", "explorer.js", "viewer.js", "viewer.css")}
     assert {"kinlib/py.typed", *player} <= set(names)
 
 

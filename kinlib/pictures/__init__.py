@@ -34,6 +34,8 @@ try:
         on_hyperboloid,
         write_picture,
     )
+    from kinlib.pictures.explorable import ExplorableScene, goldberg_scene
+    from kinlib.pictures.formula import Formula, record
     from kinlib.pictures.joint_angles import draw_joint_angles
     from kinlib.pictures.moving import dyad_scene, linkage_scene, linkages_side_by_side
     from kinlib.pictures.page import static_files
@@ -58,6 +60,8 @@ __all__ = [
     "YELLOW",
     "Ball",
     "Curve",
+    "ExplorableScene",
+    "Formula",
     "Frame",
     "Label",
     "Rod",
@@ -74,12 +78,14 @@ __all__ = [
     "draw_path",
     "draw_positions",
     "dyad_scene",
+    "goldberg_scene",
     "link_colours",
     "link_names",
     "linkage_scene",
     "linkages_side_by_side",
     "on_hyperboloid",
     "plane_axes",
+    "record",
     "space_axes",
     "static_files",
     "write_picture",

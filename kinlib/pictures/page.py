@@ -29,7 +29,9 @@ _LOADER = """
   const add = (tag, values) => document.head.append(Object.assign(document.createElement(tag), values));
   add("link", { rel: "stylesheet", href: root + "_static/kinlib/viewer.css" });
   window.bundle = root + "_static/meshcat/main.min.js";
-  add("script", { src: root + "_static/kinlib/viewer.js" });
+  for (const name of ["explorer.js", "viewer.js"]) {
+    add("script", { src: `${root}_static/kinlib/${name}`, async: false });
+  }
 })();
 """
 
@@ -38,7 +40,7 @@ def static_files() -> dict[str, Path]:
     """The files that the scenes of a book share, by their place in the book's ``_static`` folder."""
     viewer = Path(meshcat.__file__).parent / "viewer"
     bundle = [viewer / "LICENSE", *sorted((viewer / "dist").glob("main.min.js*"))]
-    ours = [Path(__file__).with_name(name) for name in ("viewer.css", "viewer.js")]
+    ours = [Path(__file__).with_name(name) for name in ("viewer.css", "explorer.js", "viewer.js")]
     return {f"meshcat/{file.name}": file for file in bundle} | {f"kinlib/{file.name}": file for file in ours}
 
 
@@ -79,6 +81,6 @@ def _own_copies() -> tuple[str, list[str]]:
     shared = static_files()
     css, *scripts = (
         shared[name].read_text(encoding="utf-8")
-        for name in ("kinlib/viewer.css", "meshcat/main.min.js", "kinlib/viewer.js")
+        for name in ("kinlib/viewer.css", "meshcat/main.min.js", "kinlib/explorer.js", "kinlib/viewer.js")
     )
     return f"<style>{css}</style>", [script.replace("</script", "<\\/script") for script in scripts]

@@ -145,6 +145,11 @@
     view: () => direction(),
   };
   window.kinlib = state;
+  const explorer = recording.explorer && window.explore(recording, {
+    state,
+    draw: () => (state.ready ? wake() : showTime()),
+    frame: () => { if (renderer && !touched) frameHulls(); },
+  });
 
   let last = 0; // when time was last looked at
   let lingering = 0; // how long the motion still waits where it is
@@ -229,6 +234,7 @@
     viewer.set_dirty = wake;
     for (const name of ["Background", "Grid", "Axes"]) viewer.set_property([name], "visible", false);
     cells.forEach(addCell);
+    if (explorer) explorer.build(viewer.scene_tree.find(["cell0", "explorer"]).object);
     viewer.camera.fov = 30;
     lens = viewer.camera.clone();
     viewer.controls.addEventListener("start", () => { touched = true; });
@@ -329,6 +335,7 @@
   }
 
   function place() {
+    if (explorer) explorer.place();
     cells.forEach((cell, number) => {
       for (const body of Object.keys(cell.tracks)) node(number, body).set_transform(bodyMatrix(number, body));
       for (const [path, frame] of cell.lights) {
