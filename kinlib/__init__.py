@@ -1,6 +1,7 @@
 """The algebra of 2R dyads by name, and 4R, 5R and 6R linkages from poses."""
 
 from kinlib.bennett import bennett_linkage
+from kinlib.bonds import Bond
 from kinlib.chain import Chain, DHRow
 from kinlib.collision import Collision, CollisionFault, Collisions
 from kinlib.displacement import (
@@ -46,6 +47,7 @@ __all__ = [
     "EXCEPTIONAL_SPACE",
     "NULL_CONE",
     "STUDY_QUADRIC",
+    "Bond",
     "Chain",
     "Collision",
     "CollisionFault",

@@ -13,7 +13,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from kinlib.bonds import Bond, bonds_of, degrees_of
 from kinlib.chain import Chain, DHRow, batch_index, count_or_nan, first_row, html_table, plain
+from kinlib.closing import closing_angles
 from kinlib.collision import (
     CollisionFault,
     Collisions,
@@ -27,6 +29,8 @@ from kinlib.dual_quaternion import DualQuaternion, null_form, one, study_form
 from kinlib.errors import DegenerateError, check_degenerate, report_faults
 from kinlib.exact_collision import exact_bars, exact_collisions
 from kinlib.factorization import divide_by_quadratic, quadratic_of
+from kinlib.line import Line
+from kinlib.loop_motion import motion_of_axes
 from kinlib.motion_polynomial import MotionPolynomial, RationalCurve, evaluate
 from kinlib.moving_bars import MovingBars
 from kinlib.polishing import product_of
@@ -139,6 +143,110 @@ class Linkage:
             How far floats may be from closed.
         """
         return cls(*_loop(first, second, joints), _as_home(home), _as_tuple(parameters, "parameters"), rtol)
+
+    @classmethod
+    def from_axes(
+        cls,
+        axes: DualQuaternion | Line | Chain | Sequence[DualQuaternion | Line],
+        *,
+        coupler: int | None = None,
+        home: PoseLike = one,
+        rtol: float = CLOSED,
+        degenerate: Degenerate = "raise",
+    ) -> Linkage:
+        """The linkage with given axes, in loop order at t = ∞: its motion follows from them.
+
+        It is found by linear systems, if all joints but at most one turn once.  The parameter is such that the
+        first joint that turns once has the factor t − h, with h the half-turn about its axis.  The :attr:`axes` of the
+        linkage are oriented by their first factors, whichever orientation was given.
+
+        Parameters
+        ----------
+        axes : DualQuaternion or Line of shape (..., n), sequence of n half-turns or lines, or Chain
+            Four, five or six axes; exact axes give an exact linkage.
+        coupler : int, optional
+            The number of the link whose motion is asked for; by default opposite link 0.
+        home : pose
+            The pose of the coupler's frame in the position in which the axes are given.
+        rtol : float
+            How far the loop may be from closed; with n decimals in the axes take 10⁻ⁿ or so.
+        degenerate : {"raise", "nan"}
+            What becomes of rows of a batch that do not move, or not in this way.
+
+        Raises
+        ------
+        DegenerateError
+            Saying whether the chain is rigid, mobile only infinitesimally or in another way, or at a singular position.
+
+        Examples
+        --------
+        >>> from kinlib import bennett_flip
+        >>> h1, h2 = i, 2 * j - 2 * eps * i
+        >>> k1, k2 = bennett_flip(h1, h2)
+        >>> Linkage.from_axes([h1, h2, k2, k1]).closure_residual()
+        0.0
+        >>> Linkage.from_axes([h1, h2, k2, j + eps * k])
+        Traceback (most recent call last):
+        ...
+        kinlib.errors.DegenerateError: the axes are independent: the chain is rigid
+        """
+        chain = axes if isinstance(axes, Chain) else Chain(axes)  # type: ignore[arg-type]
+        factors, joints = motion_of_axes(chain, rtol=rtol, degenerate=degenerate)
+        return cls(factors, joints, len(joints) // 2 if coupler is None else coupler, _as_home(home), (), rtol)
+
+    @classmethod
+    def from_denavit_hartenberg(
+        cls,
+        rows: Sequence[Sequence[ArrayLike]],
+        *,
+        angle: float,
+        joint: int = 0,
+        coupler: int | None = None,
+        home: PoseLike = one,
+        rtol: float = CLOSED,
+    ) -> Linkage:
+        """The linkage of a table of Denavit–Hartenberg rows, at a position where one joint has a given angle.
+
+        Distances, twists and offsets fix no position, and not always one linkage: the angle has to choose.  Of the
+        positions that close the loop the first is taken from which the linkage moves.
+
+        Parameters
+        ----------
+        rows : sequence of n triples (distance, twist, offset)
+            As :meth:`denavit_hartenberg` gives them; numbers, for a single linkage.
+        angle : float
+            The angle of one joint at t = ∞, as :meth:`Chain.angles <kinlib.Chain.angles>` counts it, in radians.
+        joint : int
+            The number of that joint, from 0.
+        coupler, home, rtol
+            As in :meth:`from_axes`.
+
+        Raises
+        ------
+        ValueError
+            If the loop does not close at this angle.
+        DegenerateError
+            If it closes, but no position belongs to a motion that is found.
+
+        Examples
+        --------
+        >>> from math import pi
+        >>> rows = [(1, pi / 6, 0), (2, pi / 2, 0)] * 2                  # 1 / sin 30° = 2 / sin 90°
+        >>> Linkage.from_denavit_hartenberg(rows, angle=1.0)
+        Linkage 4R, coupler 2
+        """
+        table = [tuple(float(as_float(part)) for part in row) for row in rows]
+        found = closing_angles(table, float(angle), _whole(joint, "the joint as a whole number"), rtol=rtol)  # type: ignore[arg-type]
+        if not found:
+            raise ValueError(f"no position was found in which the loop closes and joint {joint} has the angle {angle}")
+        error: DegenerateError | None = None
+        for angles in found:
+            chain = Chain.from_denavit_hartenberg(rows, angles, rtol=max(10 * rtol, RTOL))
+            try:
+                return cls.from_axes(chain, coupler=coupler, home=home, rtol=rtol)
+            except DegenerateError as refused:
+                error = error or refused
+        raise DegenerateError(f"the loop closes at this angle in {len(found)} ways, but {error}")
 
     @cached_property
     def shape(self) -> tuple[int, ...]:
@@ -454,6 +562,64 @@ class Linkage:
             hits.append(found or [])
         bad = report_faults(faults, CollisionFault, degenerate)
         return listed_collisions(hits, shape, bad.reshape(-1))
+
+    # ---- the bonds -----------------------------------------------------------------------------------
+
+    def bonds(self) -> tuple[Bond, ...]:
+        """The pairs of joints that are bonded: those whose factors share a quadratic polynomial.
+
+        Returns
+        -------
+        tuple of Bond
+            With the numbers of two joints, from 0, and their quadratic polynomial.  For a batch all rows must be
+            bonded alike, and its shape is that of the polynomials.
+
+        Raises
+        ------
+        ValueError
+            If the rows of a batch have different bonds.
+
+        Examples
+        --------
+        >>> from kinlib import bennett_flip
+        >>> h1, h2 = i, 2 * j - 2 * eps * i
+        >>> [bond.joints for bond in Linkage.from_chains([h1, h2], bennett_flip(h1, h2)).bonds()]
+        [(0, 2), (1, 3)]
+        """
+        rows = [
+            bonds_of([broadcast(f, self.shape)[index] for f in self.factors] if index else self.factors, self.joints)
+            for index in np.ndindex(self.shape)
+            if not _undefined(broadcast(self._identity, self.shape))[index]
+        ]
+        if any([bond.joints for bond in row] != [bond.joints for bond in rows[0]] for row in rows):
+            raise ValueError("the rows of the batch have different bonds: ask each row, or rows that are alike")
+        return rows[0] if rows and not self.shape else self._stacked_bonds(rows)
+
+    def _stacked_bonds(self, rows: Sequence[tuple[Bond, ...]]) -> tuple[Bond, ...]:
+        """The bonds of a batch, with NaN in NaN rows."""
+        defined = ~np.asarray(_undefined(broadcast(self._identity, self.shape)))
+        stacked = []
+        for bonds in zip(*rows, strict=True):
+            quadratic = np.full(
+                (*self.shape, 3), np.nan, dtype=float if not defined.all() else bonds[0].quadratic.dtype
+            )
+            quadratic[defined] = [bond.quadratic for bond in bonds]
+            stacked.append(Bond(bonds[0].joints, quadratic))
+        return tuple(stacked)
+
+    def degrees(self) -> Array:
+        """The degrees of all relative motions, of link b as seen from link a; shape (n, n), whole numbers.
+
+        Each is the number of :meth:`bonds` that are cut where the loop is cut at both links.
+
+        Examples
+        --------
+        >>> from kinlib import bennett_flip
+        >>> h1, h2 = i, 2 * j - 2 * eps * i
+        >>> Linkage.from_chains([h1, h2], bennett_flip(h1, h2)).degrees().tolist()
+        [[0, 1, 2, 1], [1, 0, 1, 2], [2, 1, 0, 1], [1, 2, 1, 0]]
+        """
+        return degrees_of(self.bonds(), self.joint_count)
 
     # ---- closure -------------------------------------------------------------------------------------
 

@@ -1,0 +1,231 @@
+"""The motion of a closed chain from its axes, and from its Denavit–Hartenberg table: round trips, and what fails."""
+
+from __future__ import annotations
+
+from fractions import Fraction
+from math import pi
+
+import numpy as np
+import pytest
+
+from kinlib import (
+    Chain,
+    DegenerateError,
+    DualQuaternion,
+    Line,
+    Linkage,
+    bennett_linkage,
+    eps,
+    gallery,
+    goldberg_linkages,
+    i,
+    j,
+    k,
+    same_point,
+    six_r_linkages,
+    translation,
+)
+from kinlib.scalar import as_float
+from kinlib.testing import random_poses
+
+THREE, FOUR = random_poses(3, seed=1), random_poses(4, seed=5)
+LINKAGES = [bennett_linkage(*THREE), *goldberg_linkages(*THREE, 0.4 + 0.9j), *six_r_linkages(*FOUR)]
+SHORT = [LINKAGES[n] for n in (0, 1, 3, 9)]
+TURNS = [-1.9, -0.6, 0.0, 0.4, 2.7]
+
+
+def assert_same_motion(found: Linkage, given: Linkage, *, rtol: float = 1e-7) -> None:
+    """All links of both are moved alike when a joint that turns once has the same angle."""
+    joint = given.joints.index(1)
+    f, g = found.joint_factors(joint)[0].astype(float), given.joint_factors(joint)[0].astype(float)
+    h = given.axes.astype(float)[..., joint]
+    for u in TURNS:
+        t, s = (
+            q.scalar_part + u * (as_float(q.coeffs[..., 1:4]) * as_float(h.coeffs[..., 1:4])).sum(-1) for q in (f, g)
+        )
+        moved = [x.astype(float).link_displacements(y) for x, y in ((found, t), (given, s))]
+        length = 1 + np.abs(moved[1].coeffs[..., 4:]).max()
+        assert np.all(same_point(*moved, rtol=rtol, length=length))
+
+
+@pytest.mark.parametrize("linkage", LINKAGES, ids=repr)
+def test_the_axes_of_a_linkage_give_its_motion_back(linkage):
+    found = Linkage.from_axes(linkage.axes)
+    assert found.joints == linkage.joints
+    assert found.closure_residual() < 1e-11
+    assert_same_motion(found, linkage)
+
+
+def test_exact_axes_give_exact_motions():
+    for linkage in (bennett_linkage(*gallery.THREE_POSES), *goldberg_linkages(*gallery.THREE_POSES, (1, 2))[::3]):
+        found = Linkage.from_axes(linkage.axes)
+        assert found.joints == linkage.joints
+        assert found.closure_residual() == 0
+        assert all(isinstance(x, (int, Fraction)) for x in found.joint_factors(2)[0].coeffs)
+        assert_same_motion(found, linkage)
+
+
+@pytest.mark.parametrize("linkage", SHORT, ids=repr)
+def test_lines_chains_and_sequences_are_axes(linkage):
+    expected = Linkage.from_axes(linkage.axes)
+    axes = [linkage.axes[n] for n in range(linkage.joint_count)]
+    for given in (
+        linkage.chain,
+        axes,
+        [Line.from_dual_quaternion(h) for h in axes],
+        Line.from_dual_quaternion(linkage.axes),
+    ):
+        found = Linkage.from_axes(given)
+        assert all(np.allclose(f.coeffs, g.coeffs) for f, g in zip(found.factors, expected.factors, strict=True))
+
+
+@pytest.mark.parametrize("linkage", SHORT, ids=repr)
+def test_the_first_joint_that_turns_once_gives_the_parameter(linkage):
+    found = Linkage.from_axes(linkage.axes)
+    joint = found.joints.index(1)
+    assert np.allclose(found.joint_factors(joint)[0].coeffs, linkage.axes[joint].coeffs)
+
+
+@pytest.mark.parametrize("length", [1e-6, 1e6])
+@pytest.mark.parametrize("linkage", SHORT, ids=repr)
+def test_the_unit_of_length_does_not_matter(linkage, length):
+    coeffs = linkage.axes.coeffs * np.repeat([1.0, length], 4)
+    found, expected = Linkage.from_axes(DualQuaternion(coeffs)), Linkage.from_axes(linkage.axes)
+    for f, g in zip(found.factors, expected.factors, strict=True):
+        assert np.allclose(f.coeffs / np.repeat([1.0, length], 4), g.coeffs, atol=1e-9)
+
+
+@pytest.mark.parametrize("linkage", SHORT, ids=repr)
+def test_the_frame_does_not_matter(linkage):
+    expected = Linkage.from_axes(linkage.axes)
+    for move in (*random_poses(1, seed=3), translation([1e6, -2e6, 5e5])):
+        found = Linkage.from_axes(move * linkage.axes * move.conjugate())
+        assert found.joints == expected.joints
+        for f, g in zip(found.factors, expected.factors, strict=True):
+            moved = move * g * move.conjugate()
+            assert np.allclose(f.coeffs[:4], moved.coeffs[:4], atol=1e-6)
+
+
+def test_orientation_of_axes_does_not_matter():
+    given = LINKAGES[1]
+    signs = np.array([1, -1, 1, -1, -1.0])
+    found = Linkage.from_axes(DualQuaternion(given.axes.coeffs * signs[:, None]))
+    assert found.joints == given.joints
+    assert_same_motion(found, given)
+
+
+def test_batches_row_by_row_with_nan_rows():
+    batch = goldberg_linkages(*random_poses(3, seed=2, shape=(4,)), 0.4 + 0.9j)[0]
+    coeffs = batch.axes.coeffs.copy()
+    coeffs[2] = np.nan
+    found = Linkage.from_axes(DualQuaternion(coeffs))
+    assert found.shape == (4,)
+    for n in range(4):
+        if n == 2:
+            assert all(np.isnan(f.coeffs[n]).all() for f in found.factors)
+        else:
+            single = Linkage.from_axes(batch.axes[n])
+            assert all(np.allclose(f.coeffs[n], g.coeffs) for f, g in zip(found.factors, single.factors, strict=True))
+
+
+def test_rows_that_do_not_move_are_named_or_nan():
+    coeffs = np.stack([LINKAGES[0].axes.coeffs] * 3)
+    coeffs[1, 3] = (j + eps * k + eps * i).coeffs.astype(float)
+    with pytest.raises(DegenerateError, match=r"^row 1: the axes are independent: the chain is rigid$"):
+        Linkage.from_axes(DualQuaternion(coeffs))
+    found = Linkage.from_axes(DualQuaternion(coeffs), degenerate="nan")
+    assert [bool(np.isnan(found.factors[0].coeffs[n]).any()) for n in range(3)] == [False, True, False]
+
+
+def axes_at(*pairs) -> list[DualQuaternion]:
+    return [Line.at(point, direction).as_dual_quaternion() for point, direction in pairs]
+
+
+PARALLELOGRAM = axes_at(([0, 0, 0], [0, 0, 1]), ([2, 0, 0], [0, 0, 1]), ([3, 1, 0], [0, 0, 1]), ([1, 1, 0], [0, 0, 1]))
+ANTIPARALLELOGRAM = axes_at(
+    ([0, 0, 0], [0, 0, 1]),
+    ([4, 0, 0], [0, 0, 1]),
+    ([1, 3, 0], [0, 0, 1]),
+    ([Fraction(13, 5), Fraction(9, 5), 0], [0, 0, 1]),
+)
+FOUR_BAR = axes_at(([0, 0, 0], [0, 0, 1]), ([4, 0, 0], [0, 0, 1]), ([5, 3, 0], [0, 0, 1]), ([0, 2, 0], [0, 0, 1]))
+SPHERICAL = [i, j, k, i + 2 * j - 3 * k]
+
+
+@pytest.mark.parametrize("kind", [lambda h: h, lambda h: h.astype(float)], ids=["exact", "floats"])
+def test_a_parallelogram_moves(kind):
+    found = Linkage.from_axes([kind(h) for h in PARALLELOGRAM])
+    assert found.joints == (1, 1, 1, 1)
+    assert found.degrees()[0, 2] == found.relative_motion(0, 2).degree == 2
+
+
+@pytest.mark.parametrize("axes", [FOUR_BAR, SPHERICAL], ids=["planar", "spherical"])
+def test_a_general_four_bar_moves_but_not_rationally(axes):
+    for given in (axes, [h.astype(float) for h in axes]):
+        with pytest.raises(DegenerateError, match="is mobile, but its motion is not of this kind"):
+            Linkage.from_axes(given)
+
+
+def test_five_axes_through_a_point_have_more_than_one_freedom():
+    with pytest.raises(DegenerateError, match="in more than one way"):
+        Linkage.from_axes([i, j, k, i + j, j + k])
+
+
+def test_four_axes_of_a_regulus_are_shaky():
+    """The rulings of x y = z through the points (s, 0, 0)."""
+    axes = axes_at(*[([s, 0, 0], [0, 1, s]) for s in (0, 1, 2, 5)])
+    assert Chain(axes).mobility() == 1
+    for given in (axes, [h.astype(float) for h in axes]):
+        with pytest.raises(DegenerateError, match="mobile only infinitesimally"):
+            Linkage.from_axes(given)
+
+
+def test_a_joint_that_stands_still_is_named():
+    bennett = LINKAGES[0]
+    axes = [bennett.axes[n] for n in range(4)] + [(j + eps * k + 2 * eps * i).astype(float)]
+    with pytest.raises(DegenerateError, match="a joint does not turn"):
+        Linkage.from_axes(axes)
+
+
+def test_three_and_seven_axes_are_refused():
+    for count in (3, 7):
+        with pytest.raises(ValueError, match="expected four, five or six axes"):
+            Linkage.from_axes([i, j, k, i + j, i + k, j + k, i - j][:count])
+
+
+def test_rounded_axes_need_a_tolerance():
+    axes = DualQuaternion(LINKAGES[1].axes.coeffs.round(6))
+    with pytest.raises((DegenerateError, ValueError)):
+        Linkage.from_axes(Chain.wrap(axes))
+    found = Linkage.from_axes(Chain.wrap(axes), rtol=1e-3)
+    assert found.joints == LINKAGES[1].joints
+
+
+def test_the_coupler_and_its_home():
+    home = random_poses(1, seed=9)[0]
+    found = Linkage.from_axes(LINKAGES[9].axes, coupler=2, home=home)
+    assert found.coupler == 2
+    assert same_point(found.coupler_motion(np.inf), home)
+
+
+@pytest.mark.parametrize("linkage", [*LINKAGES[:9], *LINKAGES[9::3]], ids=repr)
+def test_the_table_and_one_angle_give_the_motion_back(linkage):
+    rows, joint = linkage.denavit_hartenberg(), linkage.joints.index(1)
+    found = Linkage.from_denavit_hartenberg(rows, angle=linkage.chain.angles()[joint], joint=joint)
+    assert found.closure_residual() < 1e-7
+    for a, b in zip(rows, found.denavit_hartenberg(), strict=True):
+        assert np.allclose([a.distance, abs(a.offset)], [b.distance, abs(b.offset)], atol=1e-6)
+        assert (
+            abs(np.sin(a.twist - b.twist)) < 1e-6 or abs(np.sin(a.twist + b.twist)) < 1e-6
+        )  # axes may be turned round
+
+
+def test_a_table_that_closes_nowhere_is_refused():
+    with pytest.raises(ValueError, match="no position was found"):
+        Linkage.from_denavit_hartenberg([(1, 0, 0), (1, 0, 0), (1, 0, 0), (9, 0, 0)], angle=1.0)
+
+
+def test_the_angle_is_that_of_the_table():
+    rows = [(1, pi / 6, 0), (2, pi / 2, 0), (1, pi / 6, 0), (2, pi / 2, 0)]
+    angles = Linkage.from_denavit_hartenberg(rows, angle=1.0).chain.angles()
+    assert np.allclose(angles[0], 1.0)
