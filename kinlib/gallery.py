@@ -4,7 +4,16 @@ from fractions import Fraction
 
 from kinlib.dual_quaternion import DualQuaternion
 
-__all__ = ["FIELD_OF_DEGREE_SIX", "FOUR_POSES", "LINEAR_TERMS_EQUAL", "THREE_POSES"]
+__all__ = [
+    "BENNETT_OF_HEGEDUS",
+    "FIELD_OF_DEGREE_SIX",
+    "FOUR_POSES",
+    "LINEAR_TERMS_EQUAL",
+    "PARALLELOGRAM",
+    "POSES_OF_BRUNNTHALER",
+    "THREE_POSES",
+    "THREE_ROTATIONS",
+]
 
 THREE_POSES = (
     DualQuaternion([1, 0, 0, 0, 0, 0, 0, 0]),
@@ -34,3 +43,36 @@ FIELD_OF_DEGREE_SIX = (
     DualQuaternion([0, 0, 1, -1, 2, -2, -1, -1]),
 )
 """Three poses with whole coefficients whose dyads need ℚ(a) with a⁶ + 8a⁴ + 8a² = 16."""
+
+POSES_OF_BRUNNTHALER = (
+    DualQuaternion([0, 17, -33, -89, 0, 6, -5, 3]),
+    DualQuaternion([0, 84, -21, -287, 0, 30, -3, 9]),
+    DualQuaternion([0, 10, 37, -84, 0, 3, 6, 3]),
+)
+"""The three poses of the example of Brunnthaler, Schröcker & Husty (2005), as the documentation of rational-linkages
+has them, with the other sign of ε: half-turns, which a Bennett linkage visits."""
+
+BENNETT_OF_HEGEDUS = (
+    DualQuaternion([0, 1, 0, 0, 0, 0, 0, 0]),
+    DualQuaternion([0, 0, 1, 0, 0, -9, 0, 9]),
+    DualQuaternion([0, Fraction(-1, 3), Fraction(-2, 3), Fraction(2, 3), 0, 4, -4, -2]),
+    DualQuaternion([0, Fraction(2, 3), Fraction(1, 3), Fraction(2, 3), 0, -5, -4, 7]),
+)
+"""The axes of a Bennett linkage, from Hegedüs, Schicho & Schröcker (2013) as the documentation of rational-linkages has
+them, with the other sign of ε; the moment of the last axis follows from the others.  Its links are 9 and 3√5 long."""
+
+PARALLELOGRAM = (
+    DualQuaternion([0, 0, 0, 1, 0, 0, 0, 0]),
+    DualQuaternion([0, 0, 0, 1, 0, 0, -2, 0]),
+    DualQuaternion([0, 0, 0, 1, 0, 1, -3, 0]),
+    DualQuaternion([0, 0, 0, 1, 0, 1, -1, 0]),
+)
+"""The axes of a plane 4R through the corners (0, 0), (2, 0), (3, 1), (1, 1) of a parallelogram."""
+
+THREE_ROTATIONS = (
+    DualQuaternion([0, 1, 0, 0, 0, 0, 0, 0]),
+    DualQuaternion([1, 0, Fraction(4, 5), 0, 0, Fraction(-4, 5), 0, Fraction(-4, 5)]),
+    DualQuaternion([2, 0, Fraction(1, 2), Fraction(2, 3), 0, Fraction(-2, 3), 0, 0]),
+)
+"""The factors of a cubic motion with the quadratics t² + 1, (t − 1)² + 16/25 and (t − 2)² + 25/36: the first chain of a
+6R linkage in the examples of rational-linkages, with the other sign of ε.  All six factorizations are rational."""

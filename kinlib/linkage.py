@@ -192,7 +192,7 @@ class Linkage:
         """
         chain = axes if isinstance(axes, Chain) else Chain(axes)  # type: ignore[arg-type]
         factors, joints = motion_of_axes(chain, rtol=rtol, degenerate=degenerate)
-        return cls(factors, joints, len(joints) // 2 if coupler is None else coupler, _as_home(home), (), rtol)
+        return verified_linkage(factors, joints, len(joints) // 2 if coupler is None else coupler, _as_home(home))
 
     @classmethod
     def from_denavit_hartenberg(

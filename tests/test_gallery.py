@@ -10,10 +10,13 @@ import pytest
 
 from kinlib import (
     DualQuaternion,
+    Linkage,
+    MotionPolynomial,
     bennett_linkage,
     conic_through,
     cubics_through,
     dyads_through_poses,
+    factorizations,
     gallery,
     goldberg_linkages,
     is_null_line,
@@ -27,10 +30,11 @@ from kinlib import (
 
 TRIPLES = ["THREE_POSES", "LINEAR_TERMS_EQUAL", "FIELD_OF_DEGREE_SIX"]
 POSES = [*TRIPLES, "FOUR_POSES"]
+OF_THE_LITERATURE = ["POSES_OF_BRUNNTHALER", "BENNETT_OF_HEGEDUS", "PARALLELOGRAM", "THREE_ROTATIONS"]
 
 
 def test_every_example_is_tested_here():
-    assert sorted(POSES) == sorted(gallery.__all__)
+    assert sorted([*POSES, *OF_THE_LITERATURE]) == sorted(gallery.__all__)
 
 
 @pytest.mark.parametrize("name", POSES)
@@ -102,3 +106,59 @@ def test_both_families_through_the_four_poses_are_real_and_rational():
     for cubic, t3 in zip(cubics_through(*poses), (Fraction(4, 3), -1), strict=True):
         assert same_point(cubic(t3), poses[3])
         assert not any(cubic.study_polynomial())
+
+
+# --- of the literature ------------------------------------------------------------------------------------------
+
+
+def test_brunnthalers_poses_are_on_the_motion_that_is_published_with_them():
+    """The coefficients are those of the documentation of rational-linkages, highest power first."""
+    rows = [
+        [0, 0, 0], [4440, 39870, 22134], [16428, 9927, -42966], [-37296, -73843, -115878],
+        [0, 0, 0], [-1332, -14586, -7812], [-2664, -1473, 6510], [-1332, -1881, -3906],
+    ]  # fmt: skip
+    published = MotionPolynomial(np.array(rows).T).coefficients
+    published = [
+        DualQuaternion(c).eps_conjugate() if not isinstance(c, DualQuaternion) else c.eps_conjugate() for c in published
+    ]
+    corners = published[2], published[0] + published[1] + published[2], published[0]
+    poses = gallery.POSES_OF_BRUNNTHALER
+    assert all(any(same_point(pose, corner) for corner in corners) for pose in poses)
+    assert all(study_form(p, p) == 0 and p.scalar_part == 0 for p in poses)
+    linkage = bennett_linkage(*poses)
+    assert linkage.closure_residual() == 0
+    (a, alpha, _), (b, beta, _), *_ = linkage.denavit_hartenberg()
+    assert abs(a / np.sin(alpha)) == pytest.approx(abs(b / np.sin(beta)))
+
+
+def test_the_bennett_linkage_of_hegedus_moves():
+    axes = gallery.BENNETT_OF_HEGEDUS
+    assert all(h * h == -1 for h in axes)
+    linkage = Linkage.from_axes(axes)
+    assert linkage.closure_residual() == 0
+    rows = linkage.denavit_hartenberg()
+    assert [row.distance for row in rows] == pytest.approx([9, 45**0.5] * 2)
+    assert [abs(row.twist) for row in rows] == pytest.approx([np.pi / 2, np.arccos(-2 / 3)] * 2)
+    assert [abs(row.distance / np.sin(row.twist)) for row in rows] == pytest.approx([9] * 4)
+    assert [row.offset for row in rows] == pytest.approx([0] * 4)
+
+
+def test_the_parallelogram_has_equal_opposite_sides():
+    linkage = Linkage.from_axes(gallery.PARALLELOGRAM)
+    rows = linkage.denavit_hartenberg()
+    assert [row.distance for row in rows] == pytest.approx([2, 2**0.5] * 2)
+    assert linkage.relative_motion(0, 2).degree == 2
+
+
+def test_the_three_rotations_give_rational_6r_of_both_kinds():
+    first = gallery.THREE_ROTATIONS
+    chains = factorizations(MotionPolynomial.from_factors(first))
+    assert all(isinstance(x, (int, Fraction)) for chain in chains for f in chain for x in f.coeffs)
+    loops = [Linkage.from_chains(first, chain) for chain in chains if chain[0] != first[0] and chain[2] != first[2]]
+    assert len(loops) == 3
+    kinds = [sorted(loop.degrees()[n, n + 3] for n in range(3)) for loop in loops]
+    assert sorted(kinds) == [[1, 3, 3], [1, 3, 3], [3, 3, 3]]
+    for loop in loops:
+        found = Linkage.from_axes(loop.axes)
+        assert found.closure_residual() == 0
+        assert found.joints == (1,) * 6

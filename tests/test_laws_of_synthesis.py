@@ -112,7 +112,20 @@ def _synthesised(shape=()):
     return bennett_linkage(*random_poses(3, seed=3, shape=shape))
 
 
-COVERED.update(("Linkage", "DHRow", "DegenerateError"))
+COVERED.update(("Linkage", "DHRow", "DegenerateError", "Bond"))
+
+
+@pytest.mark.parametrize("shape", SHAPES)
+def test_axes_give_the_motion_back_and_bonds_the_degrees(shape):
+    poses = random_poses(3, seed=3, shape=shape)
+    for linkage in (bennett_linkage(*poses), goldberg_linkages(*poses, 0.4 + 0.7j)[0]):
+        found = Linkage.from_axes(linkage.axes)
+        assert (found.shape, found.joints) == (linkage.shape, linkage.joints)
+        assert np.all(found.closure_residual() < 1e-9)
+        assert [bond.joints for bond in found.bonds()] == [bond.joints for bond in linkage.bonds()]
+        assert all(bond.quadratic.shape == (*shape, 3) for bond in found.bonds())
+        degrees = [found.relative_motion(0, n).degree for n in range(found.joint_count)]
+        assert found.degrees()[0].tolist() == degrees
 
 
 @pytest.mark.parametrize("shape", SHAPES)

@@ -14,6 +14,7 @@ from kinlib import (
     DualQuaternion,
     Line,
     Linkage,
+    bennett_flip,
     bennett_linkage,
     eps,
     gallery,
@@ -164,6 +165,46 @@ def test_a_general_four_bar_moves_but_not_rationally(axes):
     for given in (axes, [h.astype(float) for h in axes]):
         with pytest.raises(DegenerateError, match="is mobile, but its motion is not of this kind"):
             Linkage.from_axes(given)
+
+
+def sarrus() -> list[DualQuaternion]:
+    """Two groups of three parallel axes, in planes at a right angle: the last link goes up and down."""
+    return axes_at(
+        ([0, 0, 0], [0, 1, 0]), ([1, 0, 1], [0, 1, 0]), ([0, 0, 2], [0, 1, 0]),
+        ([0, 0, 2], [1, 0, 0]), ([0, 1, 1], [1, 0, 0]), ([0, 0, 0], [1, 0, 0]),
+    )  # fmt: skip
+
+
+def test_sarruss_linkage_moves_in_another_way():
+    with pytest.raises(DegenerateError, match="is mobile, but its motion is not of this kind"):
+        Linkage.from_axes(sarrus())
+
+
+def test_a_parallelogram_stretched_out_is_singular():
+    axes = axes_at(*[([x, 0, 0], [0, 0, 1]) for x in (0, 2, 3, 1)])
+    for given in (axes, [h.astype(float) for h in axes]):
+        with pytest.raises(DegenerateError, match="the position is flat or singular"):
+            Linkage.from_axes(given)
+
+
+def goldberg_of_three_bennetts() -> Linkage:
+    """A joint that turns three times, and one that its three factors are exchanged with."""
+    a = i + eps * 0
+    thrice = [a, 2 * a + 1, 3 * a - 1]
+    b = 2 * j - 3 * eps * i + 1 + 1
+    first, chain = [*thrice, b], [*thrice, b]
+    for n in (2, 1, 0):
+        chain[n : n + 2] = bennett_flip(*chain[n : n + 2])
+    return Linkage.from_chains(first, chain, joints=(3, 1, 1, 1, 1, 1))
+
+
+def test_goldbergs_6r_has_a_joint_that_turns_three_times():
+    given = goldberg_of_three_bennetts()
+    for linkage in (given, given.astype(float)):
+        found = Linkage.from_axes(linkage.axes)
+        assert found.joints == (3, 1, 1, 1, 1, 1)
+        assert found.closure_residual() < 1e-12
+        assert_same_motion(found, linkage)
 
 
 def test_five_axes_through_a_point_have_more_than_one_freedom():
