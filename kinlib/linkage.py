@@ -235,8 +235,13 @@ class Linkage:
         >>> Linkage.from_denavit_hartenberg(rows, angle=1.0)
         Linkage 4R, coupler 2
         """
-        table = [tuple(float(as_float(part)) for part in row) for row in rows]
-        found = closing_angles(table, float(angle), _whole(joint, "the joint as a whole number"), rtol=rtol)  # type: ignore[arg-type]
+        joint = _whole(joint, "the joint as a whole number")
+        if not 0 <= joint < len(rows):
+            raise ValueError(f"expected a joint among 0, …, {len(rows) - 1}, got {joint}")
+        table = as_float(as_scalars(rows))
+        if table.shape[1:] != (3,) or not np.isfinite(table).all() or not np.isfinite(angle):
+            raise ValueError(f"expected finite rows (distance, twist, offset) and an angle, got {rows!r} and {angle!r}")
+        found = closing_angles([tuple(row) for row in table.tolist()], float(angle), joint, rtol=rtol)
         if not found:
             raise ValueError(f"no position was found in which the loop closes and joint {joint} has the angle {angle}")
         error: DegenerateError | None = None

@@ -22,7 +22,7 @@ import numpy as np
 from kinlib.chain import Chain
 from kinlib.closing import moves_on
 from kinlib.dual_quaternion import DualQuaternion, null_form
-from kinlib.errors import Fault, report_faults
+from kinlib.errors import DegenerateError, Fault, named_rows, report_faults
 from kinlib.factorization import factorizations
 from kinlib.motion_polynomial import MotionPolynomial
 from kinlib.polishing import product_of
@@ -120,7 +120,12 @@ def motion_of_axes(
 
 def _exact_rows(chain: Chain, rtol: float, degenerate: Degenerate) -> tuple[list[DualQuaternion], tuple[int, ...]]:
     """Exact batches row by row; they become floats where a row is left out."""
-    rows = [motion_of_axes(chain[index], rtol=rtol, degenerate=degenerate) for index in np.ndindex(chain.shape)]
+    rows = []
+    for number, index in enumerate(np.ndindex(chain.shape)):
+        try:
+            rows.append(motion_of_axes(chain[index], rtol=rtol, degenerate=degenerate))
+        except DegenerateError as error:
+            raise DegenerateError(named_rows([number]) + str(error), rows=(number,)) from None
     kept = [joints for factors, joints in rows if not np.isnan(as_float(factors[0].coeffs)).any()]
     joints = kept[0] if kept else rows[0][1]
     wrong = [kept != [] and row != joints and row in kept for _, row in rows]
@@ -175,6 +180,8 @@ def _motion(chain: Chain, rtol: float, degenerate: Degenerate) -> tuple[list[Dua
 def _in_own_parameter(chain: Chain, turns: Sequence[Array], bad: Array) -> tuple[list[DualQuaternion], tuple[int, ...]]:
     """The factors x + y h, with t changed so that the first joint that turns once has 0 + 1 h."""
     joints = tuple(part.shape[-2] for part in turns)
+    if is_exact(turns[0]) and bad:
+        return [DualQuaternion(np.full(8, np.nan))] * sum(joints), joints
     first = turns[joints.index(1)]
     middle, unit = first[..., 0], -first[..., 1]  # with one more axis, for the factors of a joint
     if not is_exact(first):

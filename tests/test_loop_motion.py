@@ -14,6 +14,7 @@ from kinlib import (
     DualQuaternion,
     Line,
     Linkage,
+    axis_of,
     bennett_flip,
     bennett_linkage,
     eps,
@@ -147,8 +148,9 @@ ANTIPARALLELOGRAM = axes_at(
     ([0, 0, 0], [0, 0, 1]),
     ([4, 0, 0], [0, 0, 1]),
     ([1, 3, 0], [0, 0, 1]),
-    ([Fraction(13, 5), Fraction(9, 5), 0], [0, 0, 1]),
+    ([Fraction(21, 5), Fraction(3, 5), 0], [0, 0, 1]),
 )
+SPHERICAL_ANTIPARALLELOGRAM = [axis_of(f) for f in (i, 2 * j + k, *bennett_flip(i, 1 + 2 * j + k)[::-1])]
 FOUR_BAR = axes_at(([0, 0, 0], [0, 0, 1]), ([4, 0, 0], [0, 0, 1]), ([5, 3, 0], [0, 0, 1]), ([0, 2, 0], [0, 0, 1]))
 SPHERICAL = [i, j, k, i + 2 * j - 3 * k]
 
@@ -158,6 +160,16 @@ def test_a_parallelogram_moves(kind):
     found = Linkage.from_axes([kind(h) for h in PARALLELOGRAM])
     assert found.joints == (1, 1, 1, 1)
     assert found.degrees()[0, 2] == found.relative_motion(0, 2).degree == 2
+
+
+@pytest.mark.parametrize("axes", [ANTIPARALLELOGRAM, SPHERICAL_ANTIPARALLELOGRAM], ids=["planar", "spherical"])
+def test_an_antiparallelogram_moves_as_a_bennett_linkage(axes):
+    exact, floats = Linkage.from_axes(axes), Linkage.from_axes([h.astype(float) for h in axes])
+    assert exact.closure_residual() == 0
+    assert floats.closure_residual() < 1e-12
+    assert exact.joints == floats.joints == (1, 1, 1, 1)
+    assert [bond.joints for bond in exact.bonds()] == [(0, 2), (1, 3)]
+    assert_same_motion(floats, exact)
 
 
 @pytest.mark.parametrize("axes", [FOUR_BAR, SPHERICAL], ids=["planar", "spherical"])
@@ -270,3 +282,23 @@ def test_the_angle_is_that_of_the_table():
     rows = [(1, pi / 6, 0), (2, pi / 2, 0), (1, pi / 6, 0), (2, pi / 2, 0)]
     angles = Linkage.from_denavit_hartenberg(rows, angle=1.0).chain.angles()
     assert np.allclose(angles[0], 1.0)
+
+
+def test_exact_batches_stay_exact_and_name_their_rows():
+    good, other = gallery.BENNETT_OF_HEGEDUS, gallery.PARALLELOGRAM
+    found = Linkage.from_axes(DualQuaternion(np.array([[h.coeffs for h in good], [h.coeffs for h in other]])))
+    assert found.shape == (2,)
+    assert found.closure_residual().tolist() == [0, 0]
+    rigid = [*good[:3], j + eps * k + 0 * i]
+    batch = DualQuaternion(np.array([[h.coeffs for h in good], [h.coeffs for h in rigid]]))
+    with pytest.raises(DegenerateError, match=r"^row 1: the axes are independent"):
+        Linkage.from_axes(batch)
+    kept = Linkage.from_axes(batch, degenerate="nan")
+    assert np.isnan(kept.factors[0].coeffs).any(axis=-1).tolist() == [False, True]
+
+
+@pytest.mark.parametrize("wrong", [{"joint": 4}, {"joint": -1}, {"angle": np.nan}])
+def test_a_table_needs_a_joint_and_an_angle(wrong):
+    rows = [(1, pi / 6, 0), (2, pi / 2, 0)] * 2
+    with pytest.raises(ValueError, match=r"^expected"):
+        Linkage.from_denavit_hartenberg(rows, **{"angle": 1.0, **wrong})
