@@ -28,8 +28,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
-os.environ.setdefault("OMP_NUM_THREADS", "1")
-os.environ.setdefault("MPLBACKEND", "Agg")
+import matplotlib as mpl
 
 import kinlib.pictures
 from kinlib import NULL_CONE, STUDY_QUADRIC, Quadric, dual_quaternion, factorization, line
@@ -224,6 +223,9 @@ def main(arguments=None) -> int:
     parser.add_argument("chapters", nargs="*", metavar="WORD", help="chapters whose names hold the word")
     parser.add_argument("--workers", type=int, default=1)
     options = parser.parse_args(arguments)
+    os.environ.setdefault("OMP_NUM_THREADS", "1")
+    os.environ["MPLBACKEND"] = "Agg"  # for the workers
+    mpl.use("Agg")
     names = chapters(options.chapters)
     found = run_all(names, options.workers)
     reports = [report(chapter, found) for chapter in names]
