@@ -512,7 +512,8 @@ def check_three_lines(three_lines: Callable, student: str) -> None:
 
 SHORTCUTS = (
     null_form, study_form, is_null_line, recognise, meet, Dyad.__post_init__, TwoRSpace.contains,
-    TwoRSpace.null_quadrilateral, Subspace.contains, Quadric.form, Quadric.gram, Quadric.contains, Quadric.restrict, _kinds, _cases,
+    TwoRSpace.null_quadrilateral, Subspace.contains, Quadric.form, Quadric.gram, Quadric.contains, Quadric.restrict,
+    _kinds, _cases,
 )  # fmt: skip
 """Functions that are the answer to a task, or nearly so: refused while answers are marked."""
 
