@@ -25,6 +25,7 @@ from kinlib import (
 )
 from kinlib_assignments.checks import assert_equal, numbers
 from kinlib_assignments.lot import Lot
+from kinlib_assignments.seal import seal
 
 __all__ = [
     "Brief", "Data", "Measures", "assert_chain", "assert_lengths", "assert_linkage", "assert_room", "assert_travel",
@@ -402,3 +403,10 @@ def draw_map(ax, triangle, grid, met) -> None:
     ax.set(aspect="equal", xlabel="real part of z", ylabel="imaginary part of z")
     ax.set(xlim=(grid.real.min(), grid.real.max()), ylim=(grid.imag.min(), grid.imag.max()))
     ax.legend(loc="upper center", bbox_to_anchor=(0.5, -0.12), ncols=2)
+
+
+def __dir__() -> list[str]:
+    return ["Brief", "Data", "brief", "corners", "data", "draw_map"]
+
+
+seal()

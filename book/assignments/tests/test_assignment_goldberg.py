@@ -204,6 +204,7 @@ class TestMarks(Marks):
     slips = SLIPS
     another_way = ANOTHER_WAY
     by_hand = 5
+    pictures = ("map-of-z", "moving")
     always = {"design": ADAS}  # noqa: RUF012
 
 
