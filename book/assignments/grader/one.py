@@ -89,6 +89,7 @@ class Watch(threading.Thread):
     def __init__(self, runner: Runner, folder: Path):
         super().__init__(daemon=True)
         self.runner, self.folder, self.done, self.most = runner, folder, threading.Event(), 0
+        self.last = 0
 
     def run(self) -> None:
         while not self.done.wait(0.25):
@@ -96,7 +97,8 @@ class Watch(threading.Thread):
 
     def look(self) -> None:
         members = box.family(self.runner.pid)
-        self.most = max(self.most, len(members))
+        self.most = max(self.most, min(self.last, len(members)))  # what is gone at once is Python's own
+        self.last = len(members)
         too_much = self.too_much(members)
         if too_much:
             self.runner.ended = self.runner.ended or too_much
@@ -183,7 +185,9 @@ def executed(notebook: NotebookNode, order: dict) -> dict:
         return {"failure": remarks.cut(f"{ended}; {complaint}" if complaint else ended)}
     usual = 3 if order["boxed"] else 1
     more = [remarks.STARTED.format(count=watch.most - usual)] if watch.most > usual else []
-    doubt = remarks.LOADED if any(runner.slow) else "died" if ended == "died" and not runner.ended else ""
+    # A kernel that was lost without having used up its time or anything else may have been lost by the machine.
+    lost = ended not in ("", "stopped") and not runner.ended and not (ended == "stuck" and runner.slow)
+    doubt = remarks.LOADED if any(runner.slow) else "died" if lost else ""
     remark = remarks.STOPPED.format(seconds=limits["all"]) if ended == "stopped" else ""
     return {"doubt": doubt, "remark": remark, "seen": more, "because": runner.ended}
 
