@@ -76,7 +76,9 @@ class Marks:
 
     @pytest.mark.parametrize("student", ["ada", "emmy"])
     def test_what_is_right_passes_all_checks_in_one_process(self, student):
-        assert losses(self.assignment, self.always, student, self.pictures) == {}
+        always = self.always if student == "ada" else {}  # it is an answer of hers
+        without = self.pictures if always or not self.always else ()
+        assert losses(self.assignment, always, student, without) == {}
 
     def test_another_way_keeps_all_points(self, lost):
         assert lost(self.assignment, self.another_way) == {}

@@ -22,9 +22,9 @@ def lost(quick, tmp_path):
         place = [masters.name_of(cell) for cell in notebook.cells].index(before)
         notebook.cells.insert(place, nbformat.v4.new_code_cell(own or "pass"))
         nbformat.write(notebook, path)
-        found, remark = marked(Submission("ada", path, NAME), Limits())
-        assert not remark, remark
-        return {mark["cell"]: mark["points"] - mark["mark"] for mark in found if mark["mark"] != mark["points"]}
+        result = marked(Submission("ada", path, NAME), Limits())
+        assert not result.remark, result.remark
+        return {mark["cell"]: mark["points"] - mark["mark"] for mark in result.marks if mark["mark"] != mark["points"]}
 
     return of
 
