@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from kinlib import Linkage, bennett_linkage, eps, gallery, goldberg_linkages, i, j, k, six_r_linkages
-from kinlib.bonds import Bond, degrees_of
+from kinlib import Bond, Linkage, bennett_linkage, eps, gallery, goldberg_linkages, i, j, k, six_r_linkages
+from kinlib.bonds import degrees_of
 from kinlib.testing import random_poses
 
 THREE, FOUR = random_poses(3, seed=1), random_poses(4, seed=5)

@@ -6,9 +6,8 @@ import numpy as np
 import pytest
 
 import kinlib as kl
-from kinlib import eps, i, j, k
+from kinlib import common_perpendicular, eps, i, j, k
 from kinlib.gallery import THREE_POSES
-from kinlib.line import common_perpendicular
 from kinlib.pictures import record
 
 PLANE = {"x": (-1.0, 3.0), "y": (0.3, 2.0)}

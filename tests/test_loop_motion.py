@@ -14,6 +14,7 @@ from kinlib import (
     DualQuaternion,
     Line,
     Linkage,
+    as_float,
     axis_of,
     bennett_flip,
     bennett_linkage,
@@ -27,7 +28,6 @@ from kinlib import (
     six_r_linkages,
     translation,
 )
-from kinlib.scalar import as_float
 from kinlib.testing import random_poses
 
 THREE, FOUR = random_poses(3, seed=1), random_poses(4, seed=5)
