@@ -538,3 +538,8 @@ def test_many_scenes_on_one_page_take_turns(chromium, play, tmp_path):
     chromium.execute_script("document.documentElement.dataset.theme = 'light'")
     wait_until(lambda: inside(frames[0], "return document.documentElement.dataset.theme") == "light")
     wait_until(lambda: sum(inside(f, "return document.querySelectorAll('canvas').length") for f in frames) <= 3)
+
+
+def test_linkages_side_by_side_without_poses(linkages):
+    grid = linkages_side_by_side(linkages[:2], alt=ALT)
+    assert [len(cell["lights"]) for cell in grid.recording()["cells"]] == [0, 0]

@@ -143,7 +143,7 @@ def one_turn(
     turns = np.union1d(_even_turns(bars), knots)
     travel = _travel(bars, turns)
     heights = np.interp(knots, turns, travel)
-    if places is None:
+    if places is None or not len(stops):
         places = _even_places(heights, frames)
         climb = _heights(np.append(places, 0), np.append(heights, 0), frames)
     else:
