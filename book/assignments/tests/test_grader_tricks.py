@@ -13,8 +13,8 @@ WRONG = "def norm(q):\n    return 5, 0\n"  # loses the marks of norm-of-all
 TRICKS = {
     "a check is replaced": "import kinlib_assignments.checks as c\nc.assert_equal = lambda *a, **k: None",
     "a check's code is replaced": (
-        "from kinlib_assignments.dual_quaternions import assert_norm\n"
-        "assert_norm.__code__ = (lambda *a, **k: None).__code__"
+        "from kinlib_assignments.dual_quaternions import check_norm\n"
+        "check_norm.__code__ = (lambda *a, **k: None).__code__"
     ),
     "an assertion error that is never raised": (
         "import kinlib_assignments.checks as c\nclass AssertionError(Exception): pass\nc._agree = lambda *a: True"
@@ -104,7 +104,7 @@ def test_a_neighbours_file_is_seen_as_it_is_and_with_another_id(tmp_path):
 
 def test_in_a_kernel_that_starts_from_nothing_a_replaced_check_is_seen_too(tmp_path):
     code = (
-        "from kinlib_assignments.dual_quaternions import assert_norm\nassert_norm.__code__ = (lambda *a: None).__code__"
+        "from kinlib_assignments.dual_quaternions import check_norm\ncheck_norm.__code__ = (lambda *a: None).__code__"
     )
     one = Submission("ada", handed_in(NAME, tmp_path, {"norm": WRONG + code}), NAME)
     assert [said for said in run.marked(one, run.Limits()).seen if "kinlib_assignments" in said]
