@@ -25,9 +25,9 @@ from kinlib.testing import random_poses
 def test_what_rounding_makes_of_a_pose_is_one(seed):
     poses = random_poses(3, seed=seed)
     for pose in poses:
-        as_pose(pose * pose.inverse())
+        assert as_pose(pose * pose.inverse()).coeffs == pytest.approx(one.astype(float).coeffs, abs=1e-12)
     back = [pose * poses[0].inverse() for pose in poses]
-    bennett_linkage(*back)
+    assert bennett_linkage(*back).closure_residual() < 1e-9
 
 
 def test_the_nearest_pose_is_taken():

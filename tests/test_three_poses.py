@@ -309,7 +309,9 @@ def test_next_to_double_roots_there_are_two_dyads_again(step):
 
 def test_regular_poses_are_never_taken_for_double_roots():
     for seed in range(3):
-        dyads_through_poses(*random_poses(3, seed=seed, shape=(20000,)))
+        for dyad in dyads_through_poses(*random_poses(3, seed=seed, shape=(20000,))):
+            assert np.isfinite(dyad.h1.coeffs).all()
+            assert np.isfinite(dyad.h2.coeffs).all()
 
 
 # --- degenerate planes ---------------------------------------------------------------------------------------------
