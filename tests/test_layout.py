@@ -165,4 +165,5 @@ def test_all_that_is_public_has_hints(name):
 @pytest.mark.parametrize("name", MODULES)
 def test_the_fields_of_public_classes_have_hints_that_are_known(name):
     for thing in filter(inspect.isclass, public_objects(f"kinlib.{name}")):
-        get_type_hints(thing)
+        known = get_type_hints(thing)
+        assert set(inspect.get_annotations(thing)) <= set(known)

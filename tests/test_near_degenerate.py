@@ -65,8 +65,8 @@ def test_every_route_is_checked(place, method):
             continue
         for dyad, other in pairs:
             for pose in poses:
-                dyad.parameters(pose, rtol=1e-8)
-                other.parameters(pose, rtol=1e-8)
+                assert np.shape(dyad.parameters(pose, rtol=1e-8)) == (2,)  # an error if it is not reached
+                assert np.shape(other.parameters(pose, rtol=1e-8)) == (2,)
 
 
 @pytest.mark.parametrize("distance", [1e2, 1e4, 1e6])

@@ -165,7 +165,7 @@ def test_nothing_is_started_or_opened(monkeypatch, linkages, tmp_path):
     monkeypatch.setattr("zmq.Context.socket", refuse)
     scene = linkage_scene(linkages[1], THREE_POSES, alt=ALT)
     scene._repr_html_()
-    scene.save(tmp_path / "scene.html")
+    assert scene.save(tmp_path / "scene.html").stat().st_size > 1e5
 
 
 def test_the_eight_linkages_light_up_together(linkages):
