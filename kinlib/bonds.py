@@ -16,11 +16,12 @@ import numpy as np
 
 from kinlib.dual_quaternion import DualQuaternion
 from kinlib.factorization import divide_by_quadratic, quadratic_of
+from kinlib.loop import Loop
 from kinlib.polishing import product_of
 from kinlib.scalar import as_float, is_exact, is_zero
 from kinlib.typing import Array
 
-__all__ = ["Bond", "bonds_of", "degrees_of"]
+__all__ = ["Bond", "bonds_of", "bonds_of_loop", "degrees_of"]
 
 SHARED = 1e-6
 """How far the quadratics of two factors in floats may differ, relative to their size."""
@@ -76,6 +77,29 @@ def bonds_of(factors: Sequence[DualQuaternion], joints: Sequence[int]) -> tuple[
         for m, n in [tuple(group)] if len(group) == 2 else _connected(factors, group):
             found.append(Bond((joint_of[m], joint_of[n]), quadratic_of(factors[m])))
     return tuple(sorted(found, key=lambda bond: bond.joints))
+
+
+def bonds_of_loop(loop: Loop) -> tuple[Bond, ...]:
+    """The bonds of a loop; of a batch whose rows are bonded alike, with polynomials of its shape."""
+    rows = [
+        bonds_of(row.factors, row.joints)
+        for row, undefined in zip(loop.rows(), loop.undefined.reshape(-1), strict=True)
+        if not undefined
+    ]
+    if any([bond.joints for bond in row] != [bond.joints for bond in rows[0]] for row in rows):
+        raise ValueError("the rows of the batch have different bonds: ask each row, or rows that are alike")
+    return rows[0] if rows and not loop.shape else _stacked(rows, loop.shape, ~loop.undefined)
+
+
+def _stacked(rows: Sequence[tuple[Bond, ...]], shape: tuple[int, ...], defined: Array) -> tuple[Bond, ...]:
+    """The bonds of a batch, with NaN in NaN rows."""
+    stacked = []
+    for bonds in zip(*rows, strict=True):
+        dtype = bonds[0].quadratic.dtype if defined.all() else float
+        quadratic = np.full((*shape, 3), np.nan, dtype=dtype)
+        quadratic[defined] = [bond.quadratic for bond in bonds]
+        stacked.append(Bond(bonds[0].joints, quadratic))
+    return tuple(stacked)
 
 
 def degrees_of(bonds: Sequence[Bond], count: int) -> Array:

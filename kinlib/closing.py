@@ -10,10 +10,10 @@ import numpy as np
 
 from kinlib.chain import Chain
 from kinlib.dual_quaternion import DualQuaternion, eps, i, k, one
-from kinlib.scalar import as_float
-from kinlib.typing import Array
+from kinlib.scalar import RTOL, as_float, as_scalars
+from kinlib.typing import Array, ArrayLike
 
-__all__ = ["closing_angles", "moves_on"]
+__all__ = ["closed_chains", "closing_angles", "moves_on"]
 
 STEPS = 60
 LONGEST = 0.7
@@ -115,6 +115,25 @@ def closing_angles(
     angles = np.remainder(angles[off <= max(rtol, CLOSED)] + np.pi, 2 * np.pi) - np.pi
     angles[:, joint] = angle
     return _different(angles)
+
+
+def closed_chains(rows: Sequence[Sequence[ArrayLike]], angle: float, joint: int, *, rtol: float) -> list[Chain]:
+    """The chains of a table at all positions that are found in which one joint has a given angle.
+
+    Raises
+    ------
+    ValueError
+        If the table or the angle is no such, or if no position is found.
+    """
+    if not 0 <= joint < len(rows):
+        raise ValueError(f"expected a joint among 0, …, {len(rows) - 1}, got {joint}")
+    table = as_float(as_scalars(rows))
+    if table.shape[1:] != (3,) or not np.isfinite(table).all() or not np.isfinite(angle):
+        raise ValueError(f"expected finite rows (distance, twist, offset) and an angle, got {rows!r} and {angle!r}")
+    found = closing_angles([tuple(row) for row in table.tolist()], float(angle), joint, rtol=rtol)
+    if not found:
+        raise ValueError(f"no position was found in which the loop closes and joint {joint} has the angle {angle}")
+    return [Chain.from_denavit_hartenberg(rows, angles, rtol=max(10 * rtol, RTOL)) for angles in found]
 
 
 def _different(angles: Array) -> list[Array]:
