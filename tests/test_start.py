@@ -28,5 +28,3 @@ def test_the_table_of_what_was_mended_is_complete():
 def test_everything_new_is_told():
     new = {name for name, (_, claim, _) in CLAIMS.items() if claim.startswith(("Not in", "Open in"))}
     assert named(r"\(\{ref\}`(\w+) <claim-") == new
-    assert "Nine statements" in results()
-    assert len(new) == 9
