@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import accumulate
@@ -19,6 +19,8 @@ from kinlib.poses import middle_of
 from kinlib.projective import null_space
 from kinlib.rows import broadcast
 from kinlib.scalar import ROUNDING, RTOL, as_float, is_exact, is_zero
+from kinlib.shown import html_table as html_table
+from kinlib.shown import in_words
 from kinlib.typing import Array, ArrayLike, Degenerate, PointLike
 
 __all__ = ["Chain", "DHRow"]
@@ -233,7 +235,7 @@ give angles that close it, or rtol= if the numbers are rounded
         least = max(RTOL * float(self.lines.length), float(self.lines.noise))
         angles = [_in_degrees(angle) for angle in self.angles()]
         return [
-            (str(n), angle, _in_words(row.offset, least), _in_words(row.distance, least), _in_degrees(row.twist))
+            (str(n), angle, in_words(row.offset, least), in_words(row.distance, least), _in_degrees(row.twist))
             for n, (row, angle) in enumerate(zip(self.denavit_hartenberg(), angles, strict=True), start=1)
         ]
 
@@ -445,23 +447,8 @@ def _open_rows(last: DualQuaternion, longest: Array, rtol: float, degenerate: De
 # ---- words -------------------------------------------------------------------------------------------
 
 
-def _in_words(x: Any, least: float) -> str:
-    """Six digits of a number; what rounding has left is 0."""
-    return f"{x if not abs(x) <= least else 0:.6g}"
-
-
 def _in_degrees(angle: Any) -> str:
-    return _in_words(math.degrees(angle), 1e-9) + "°"
-
-
-def html_table(caption: str, head: Sequence[str], rows: Iterable[Sequence[Any]]) -> str:
-    """A table in HTML."""
-    lines = [_html_row("th", head), *(_html_row("td", row) for row in rows)]
-    return f"<table><caption>{caption}</caption><thead>{lines[0]}</thead><tbody>{''.join(lines[1:])}</tbody></table>"
-
-
-def _html_row(kind: str, cells: Sequence[Any]) -> str:
-    return "<tr>" + "".join(f"<{kind}>{cell}</{kind}>" for cell in cells) + "</tr>"
+    return in_words(math.degrees(angle), 1e-9) + "°"
 
 
 # ---- shapes ------------------------------------------------------------------------------------------

@@ -13,7 +13,8 @@ import numpy as np
 from kinlib.chain import Lines, batch_index, first_row
 from kinlib.errors import Fault, report_faults
 from kinlib.moving_bars import AT_INFINITY, MovingBars, Pair, cross, distance, dot, pairs_without_joint
-from kinlib.scalar import RTOL, as_float, as_scalars, as_text
+from kinlib.scalar import RTOL, as_float, as_scalars
+from kinlib.shown import as_text
 from kinlib.typing import Array, ArrayLike, Degenerate, Scalars
 
 __all__ = ["Collision", "CollisionFault", "Collisions", "clearances", "collisions_in_floats"]

@@ -10,19 +10,20 @@ from __future__ import annotations
 import math
 import operator
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from itertools import accumulate
 from typing import Any
 
 import numpy as np
 from numpy.typing import DTypeLike
 
-from kinlib.scalar import ArrayLike, Scalars, as_float, as_scalars, as_text, divide, is_scalar, is_zero, promote, size
+from kinlib.scalar import ArrayLike, Scalars, as_float, as_scalars, divide, is_scalar, is_zero, promote, size
+from kinlib.shown import as_latex, as_sum, as_text, in_lines, times_unit
 
 __all__ = [
     "DualQuaternion", "dual_size", "eps", "eps_times", "i", "j", "k", "null_form", "one", "primal_size", "study_form",
 ]  # fmt: skip
 
 UNITS = ("", "i", "j", "k", "ε", "εi", "εj", "εk")
+LATEX_UNITS = "", r"\mathbf{i}", r"\mathbf{j}", r"\mathbf{k}"
 FEW = 6  # products so few go one by one: Python's floats cost less than calling NumPy on short arrays
 BLOCK = 2**16  # rows of a batch at a time: they stay in the cache, and NumPy can use temporaries again
 
@@ -314,8 +315,12 @@ class DualQuaternion:
     def __repr__(self) -> str:
         if self.shape:
             return f"DualQuaternion of shape {self.shape}, {self._components.dtype}"
-        terms = [_term(c, unit) for c, unit in zip(self._components.tolist(), UNITS, strict=True) if c != 0]
-        return " + ".join(terms).replace("+ -", "- ") or "0"
+        terms = zip(self._components.tolist(), UNITS, strict=True)
+        return as_sum(times_unit(as_text(c), unit) for c, unit in terms if c != 0)
+
+    def _repr_latex_(self) -> str | None:
+        """A single one as a formula."""
+        return None if self.shape else f"${in_lines(pieces_in_latex(self), len(repr(self)))}$"
 
 
 def study_form(x: DualQuaternion, y: DualQuaternion) -> Scalars:
@@ -405,19 +410,16 @@ def _coefficients(x: Any) -> np.ndarray:
     return as_scalars(x)
 
 
-def _term(coefficient: Any, unit: str) -> str:
-    text = as_text(coefficient)
-    if not unit:
-        return text
-    if text in ("1", "-1"):
-        return text.replace("1", unit)
-    return f"({text}) {unit}" if _is_sum(text) else f"{text} {unit}"
-
-
-def _is_sum(text: str) -> bool:
-    """Whether there is a space outside all brackets."""
-    depths = accumulate((c == "(") - (c == ")") for c in text)
-    return any(depth == 0 and c == " " for c, depth in zip(text, depths, strict=True))
+def pieces_in_latex(q: DualQuaternion) -> list[str]:
+    """The primal and the dual part of a single one as formulas, the latter with its sign; without what is zero."""
+    numbers = q.components.tolist()
+    primal, dual = (
+        [times_unit(as_latex(c), f"{eps}{unit}".strip()) for c, unit in zip(part, LATEX_UNITS, strict=True) if c != 0]
+        for part, eps in ((numbers[:4], ""), (numbers[4:], r"\varepsilon "))
+    )
+    if primal and dual:
+        return [as_sum(primal), as_sum(["", *dual]).strip()]
+    return [as_sum(primal + dual)]
 
 
 def _takes_the_precision_of(components: np.ndarray, x: Any) -> bool:

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, field
 from typing import NamedTuple, TypeAlias
 
 import numpy as np
 
 from kinlib.displacement import unit
-from kinlib.dual_quaternion import DualQuaternion, dual_size, null_form, one, primal_size, study_form
+from kinlib.dual_quaternion import DualQuaternion, dual_size, null_form, one, pieces_in_latex, primal_size, study_form
 from kinlib.errors import DegenerateError, check_degenerate, named_rows, rows_where
 from kinlib.line import Line
 from kinlib.number_field import square_root
@@ -16,6 +17,7 @@ from kinlib.poses import as_pose, gap, middle_of, moved_origin, stretched
 from kinlib.projective import Subspace, coordinates_of, join, null_space
 from kinlib.quadric import Quadric, binary_roots
 from kinlib.scalar import ROUNDING, RTOL, as_float, divide, imaginary_unit, is_exact, is_infinite, is_zero, size
+from kinlib.shown import html_table, in_words
 from kinlib.study import NULL_CONE, STUDY_QUADRIC
 from kinlib.typing import Array, ArrayLike, Degenerate, DualQuaternionLike, PoseLike, Scalars
 
@@ -32,6 +34,13 @@ class NullQuadrilateral(NamedTuple):
     v1: DualQuaternion
     u2: DualQuaternion
     v2: DualQuaternion
+
+    def _repr_latex_(self) -> str | None:
+        """The four vertices of a single one, below each other."""
+        if any(vertex.shape for vertex in self):
+            return None
+        rows = [rf"{name[0]}_{name[1]} &= {' '.join(pieces_in_latex(getattr(self, name)))}" for name in self._fields]
+        return rf"$\begin{{aligned}}{(chr(92) * 2).join(rows)}\end{{aligned}}$"
 
 
 @dataclass(frozen=True, eq=False)
@@ -77,6 +86,20 @@ class Dyad:
     def __call__(self, t1: ArrayLike, t2: ArrayLike) -> DualQuaternion:
         """The pose R(t1, t2) of equation (2); t = ∞ is no rotation."""
         return _factor(t1, self.h1) * _factor(t2, self.h2) * self.home
+
+    def _repr_html_(self) -> str:
+        """The axes of a single dyad as a table, at home, with angle and distance; a batch as one line."""
+        if self.shape:
+            return f"<p>2R dyads of shape {self.shape}</p>"
+        base, moving = self.axes
+        distance, angle = float(base.distance(moving)), math.degrees(base.angle(moving))
+        far = RTOL * max(distance, *(float(np.linalg.norm(as_float(line.foot()))) for line in self.axes))
+        rows = [
+            (name, _listed(_of_length_one(line.direction), RTOL), _listed(line.foot(), far))
+            for name, line in (("at the base (h1)", base), ("moving (h2)", moving))
+        ]
+        caption = f"2R dyad: axes {in_words(distance, far)} apart, at {in_words(angle, RTOL)}°; home {self.home!r}"
+        return html_table(caption, ("axis", "direction", "point next to the origin"), rows)
 
     @property
     def shape(self) -> tuple[int, ...]:
@@ -282,14 +305,22 @@ def _is_half_turn(h: DualQuaternion) -> Array:
     return (np.all(real, axis=0) & on_quadric & (p > 0)) | np.isnan(p)
 
 
+def _of_length_one(direction: Array) -> Array:
+    return as_float(direction) / np.linalg.norm(as_float(direction))
+
+
+def _listed(vector: Array, least: float) -> str:
+    return ", ".join(in_words(x, least) for x in as_float(vector).tolist())
+
+
 def _commute(h1: DualQuaternion, h2: DualQuaternion) -> Array:
     """Whether two half-turns have one axis: parallel directions, and moments in the same ratio."""
     l1, m1, l2, m2 = (x for h in (h1, h2) for x in (h.components[1:4], h.components[5:]))
     minors = [l1[a] * l2[b] - l1[b] * l2[a] for a, b in ((0, 1), (1, 2), (2, 0))]
     parallel = np.all([is_zero(x, size(l1, 0) * size(l2, 0), 1e-12) for x in minors], axis=0)
-    square, product = (l2 * l2).sum(axis=0), (l1 * l2).sum(axis=0)
-    shift = m1 * square - m2 * product
-    return parallel & np.all(is_zero(shift, size(m1, 0) * size(l2, 0) ** 2, 1e-12), axis=0)
+    square, product = sum(a * a for a in l2), sum(a * b for a, b in zip(l1, l2, strict=True))
+    shift = [a * square - b * product for a, b in zip(m1, m2, strict=True)]
+    return parallel & np.all([is_zero(x, size(m1, 0) * size(l2, 0) ** 2, 1e-12) for x in shift], axis=0)
 
 
 @dataclass(frozen=True, eq=False)

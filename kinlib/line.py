@@ -17,7 +17,6 @@ from kinlib.scalar import (
     RTOL,
     as_float,
     as_scalars,
-    as_text,
     as_vectors,
     divide,
     is_exact,
@@ -26,6 +25,7 @@ from kinlib.scalar import (
     promote,
     size,
 )
+from kinlib.shown import as_text
 from kinlib.typing import Array, Degenerate, PointLike, VectorLike
 
 __all__ = ["Line", "common_perpendicular"]

@@ -9,9 +9,10 @@ from typing import Any, TypeAlias, TypeVar, Union
 
 import numpy as np
 
-from kinlib.dual_quaternion import DualQuaternion, null_form, one, study_form
+from kinlib.dual_quaternion import DualQuaternion, null_form, one, pieces_in_latex, study_form
 from kinlib.errors import Fault, named_rows, report_faults
 from kinlib.scalar import ROUNDING, RTOL, as_scalars, divide, is_exact, is_infinite, is_zero, promote, size
+from kinlib.shown import as_sum, in_lines
 from kinlib.typing import Array, ArrayLike, Degenerate, PointLike, ScalarLike
 
 __all__ = ["MotionPolynomial", "RationalCurve", "evaluate", "linear_factor", "multiply"]
@@ -309,7 +310,14 @@ class MotionPolynomial:
         if self.shape:
             return f"MotionPolynomial of degree {self.degree}, shape {self.shape}"
         terms = [_term(c, self.degree - n) for n, c in enumerate(self.coefficients) if c != 0]
-        return " + ".join(terms).replace("+ -", "- ") or "0"
+        return as_sum(terms)
+
+    def _repr_latex_(self) -> str | None:
+        """A single one as a formula, with a line for each power if it is long."""
+        if self.shape:
+            return None
+        terms = [_latex_term(c, self.degree - n) for n, c in enumerate(self.coefficients) if c != 0]
+        return f"${in_lines(terms[:1] + [f'+ {term}' for term in terms[1:]], len(repr(self))) or '0'}$"
 
     def trajectory(self, point: PointLike) -> RationalCurve:
         """The path of a point, shape (3,), of the moving frame: a rational curve of degree at most 2n.
@@ -360,6 +368,12 @@ def _term(c: DualQuaternion, power: int) -> str:
     if not name:
         return text
     return name if text == "1" else f"({text}) {name}"
+
+
+def _latex_term(c: DualQuaternion, power: int) -> str:
+    name = {0: "", 1: "t"}.get(power, f"t^{{{power}}}")
+    text = " ".join(pieces_in_latex(c))
+    return name if name and text == "1" else rf"\left({text}\right) {name}".strip()
 
 
 def _polynomial(x: PolynomialLike) -> MotionPolynomial:

@@ -305,6 +305,14 @@ class NumberFieldElement:
         terms = [_term(c, n) for c, n in zip(self.coefficients, powers, strict=True) if c]
         return " + ".join(terms[::-1]).replace("+ -", "- ") or "0"
 
+    def _latex(self, printer: Any) -> str:
+        """What SymPy's printer asks for: square roots as such, numbers of higher fields in their generator a."""
+        from sympy import Poly, Symbol
+
+        rational = [c.numerator if c.denominator == 1 else c for c in self.coefficients]
+        square = len(self.field.domain.mod.to_list()) == 3
+        return str(printer.doprint(self.as_sympy() if square else Poly(rational, Symbol("a")).as_expr()))
+
 
 def _ratio(numerator: int, denominator: int) -> float:
     """The nearest float to a fraction."""

@@ -420,21 +420,6 @@ def read_only(array: np.ndarray) -> np.ndarray:
     return array
 
 
-def as_text(x: Any) -> str:
-    """A number as it is printed: floats to six digits, exact numbers whole.
-
-    Examples
-    --------
-    >>> as_text(1 / 3), as_text(Fraction(1, 3)), as_text(np.float64(0.5)), as_text(1 / 3 + 2j)
-    ('0.333333', '1/3', '0.5', '(0.333333+2j)')
-    """
-    if isinstance(x, (float, np.floating)):
-        return f"{float(x):.6g}"
-    if isinstance(x, (complex, np.complexfloating)):
-        return f"({complex(x):.6g})" if x.real else f"{float(x.imag):.6g}j"
-    return str(x)
-
-
 def imaginary_unit(array: np.ndarray) -> Any:
     """√−1 in the company of the given numbers: ``1j`` beside floats, SymPy's ``I`` beside exact numbers.
 

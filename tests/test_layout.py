@@ -17,6 +17,7 @@ PACKAGE = Path(kinlib.__file__).parent
 # Each file imports only from files before it: the pictures stand at the end, so that no theory needs them.
 ORDER = [
     "errors",
+    "shown",
     "scalar",
     "number_field",
     "dual_quaternion",
