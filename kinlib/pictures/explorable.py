@@ -32,7 +32,7 @@ from kinlib.z_plane import ZFault, ZPlane, z_planes
 
 __all__ = ["ExplorableScene", "goldberg_scene"]
 
-NEAR = 1e-3
+NEAR = 1e-6
 """How near to a bad place there is no linkage drawn."""
 
 FAULTS = (ZFault.REAL, ZFault.BENNETT, ZFault.CIRCUMCIRCLE, ZFault.MISSES_1, ZFault.MISSES_2,
@@ -70,7 +70,7 @@ def goldberg_scene(
     *,
     alt: str,
     x: tuple[float, float] = (-3.0, 3.0),
-    y: tuple[float, float] = (0.05, 4.0),
+    y: tuple[float, float] = (-2.0, 4.0),
     choice: int = 4,
     point: Sequence[float] = (0, 0, 0),
     height: str = "34rem",

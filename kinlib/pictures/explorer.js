@@ -173,12 +173,13 @@ window.explore = (recording, { state, draw, frame }) => {
   // ---- the reader
   const inside = (x, k) => Math.min(Math.max(x, given.limits[k][0]), given.limits[k][1]);
   function go(where) {
-    where.forEach((x, k) => { point[k] = inside(x, k); });
+    where.forEach((x, k) => { point[k] = x; });
     refresh();
   }
+  const within = (where) => where.map(inside);
   function drag(event) {
     const share = [(event.clientX - box.left) / box.width, 1 - (event.clientY - box.top) / box.height];
-    go(share.map((s, k) => given.limits[k][0] + s * (given.limits[k][1] - given.limits[k][0])));
+    go(within(share.map((s, k) => given.limits[k][0] + s * (given.limits[k][1] - given.limits[k][0]))));
   }
   pad.addEventListener("pointerdown", (event) => {
     pad.setPointerCapture(event.pointerId);
@@ -194,7 +195,7 @@ window.explore = (recording, { state, draw, frame }) => {
   const arrows = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1] };
   pad.addEventListener("keydown", (event) => {
     if (event.key === "Home") go(start);
-    else if (arrows[event.key]) go(point.map((x, k) => x + arrows[event.key][k] * (event.shiftKey ? 0.2 : 0.02)));
+    else if (arrows[event.key]) go(within(point.map((x, k) => x + arrows[event.key][k] * (event.shiftKey ? 0.2 : 0.02))));
     else return;
     event.preventDefault();
   });
@@ -219,7 +220,7 @@ window.explore = (recording, { state, draw, frame }) => {
   state.trouble = () => wrong;
   state.recipe = given.recipe;
   const asked = new URLSearchParams(location.hash.slice(1));
-  ["x", "y"].forEach((name, k) => { if (asked.has(name) && Number.isFinite(+asked.get(name))) point[k] = inside(+asked.get(name), k); });
+  ["x", "y"].forEach((name, k) => { if (asked.has(name) && Number.isFinite(+asked.get(name))) point[k] = +asked.get(name); });
   if (given.choices[+asked.get("linkage")] && asked.has("linkage")) chosen = +asked.get("linkage");
   queueMicrotask(refresh);
   return { build, place: () => { if (group && now) placeAll(); } };
