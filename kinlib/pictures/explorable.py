@@ -108,8 +108,8 @@ def goldberg_scene(
         "motions": [motion_formula(shown_at_first[n]).javascript for n in (0, 2)],
         "motion": [0, 0, 1, 1, 0, 0, 1, 1], "plane": [n // 2 for n in range(8)],
         "choices": [f"{n + 1}: {PLACES[n // 2].removesuffix(': ')}" for n in range(8)],
-        "chooser": "linkage", "pad": "the number z", "limits": [x, y], "start": z, "choice": choice,
-        "bad": [fault.message for fault in FAULTS], "near": NEAR,
+        "chooser": "linkage", "pad": "the number z", "limits": [x, y], "choice": choice,
+        "bad": [fault.message for fault in FAULTS],
         "colours": link_colours(example), "pin": PIN, "coupler": example.coupler, "steps": 96,
         "point": _home_point(example, point), "picture": _plane_picture(planes, x, y),
         "kept": [view.place(frame.points()[0]) for frame in frames],
@@ -120,6 +120,7 @@ def goldberg_scene(
         "cells": [cell | {"tracks": {}, "lights": [], "labels": labels, **record_parts(frames, view)}],
         "explorer": explorer,
     })  # fmt: skip
+    table["explorer"] |= {"near": NEAR, "start": [float(c) for c in z]}  # in full
     return ExplorableScene(alt, table, height)
 
 
