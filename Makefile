@@ -10,7 +10,7 @@ PAGE := _build/html/index.html
 export PIP_DISABLE_PIP_VERSION_CHECK := 1
 export PATH := $(abspath $(BIN)):$(PATH)
 
-.PHONY: help setup book check test fuzz bench notebooks assignments grade lint types clean distclean
+.PHONY: help setup book check test fuzz bench note notebooks assignments grade lint types clean distclean
 
 help:
 	@echo "make book       build the book and say which file to open"
@@ -18,6 +18,7 @@ help:
 	@echo "make test       all of that, build the book, then check notebooks and pages"
 	@echo "make fuzz       try many thousands of problems (FUZZ='--triples 3000' for fewer)"
 	@echo "make bench      measure speed and print the table"
+	@echo "make note       write the research note, of the book's own statements and proofs"
 	@echo "make notebooks  run and save every notebook (NOTEBOOK=path for one)"
 	@echo "make assignments  make the students' copies of the assignments"
 	@echo "make grade SUBMISSIONS=folder  grade what students handed in (OUT=graded)"
@@ -75,6 +76,13 @@ fuzz: setup
 
 bench: setup
 	$(BIN)/python -m tests.bench
+
+# The PDF needs TeX: Debian's texlive-latex-extra, texlive-fonts-recommended, lmodern and latexmk.
+note: setup
+	rm -rf _build/note
+	$(BIN)/sphinx-build -q -W -b latex book/note _build/note
+	@echo "The source is _build/note/note.tex"
+	@if command -v latexmk >/dev/null; then cd _build/note && latexmk -pdf -interaction=nonstopmode note.tex >note.out && echo "Open $(abspath _build/note/note.pdf)"; fi
 
 notebooks: setup
 	$(BIN)/ruff format --quiet $(NOTEBOOK)

@@ -5,18 +5,21 @@ So the note says what the book says, and what was run. ``<!-- statement LABEL --
 
 import base64
 import json
+import os
 import re
+import tomllib
 from functools import cache
 from pathlib import Path
+from typing import ClassVar
 
 from docutils import nodes
 from sphinx.util.docutils import SphinxDirective
 
 BOOK = Path(__file__).resolve().parents[1]
-MARK = re.compile(r"^<!-- (cells|statement|figure) (.*?) -->$", re.MULTILINE)
+MARK = re.compile(r"^<!-- (cells|statement|figure|claims) (.*?) -->$", re.MULTILINE)
 STATEMENT = re.compile(r"```\{prf:(\w+)\} ?([^\n]*)\n:label: (\S+)\n.*?\n```$", re.MULTILINE | re.DOTALL)
 ROLE = re.compile(r"\{(doc|ref|prf:ref|numref|py:\w+|term)\}`([^`]*)`")
-ANCHOR = re.compile(r"^\([\w-]+\)=\n", re.MULTILINE)
+BETWEEN = re.compile(r"^(\([\w-]+\)=|#+ .*)\n", re.MULTILINE)  # anchors and headings
 
 
 @cache
@@ -48,7 +51,7 @@ def output(cell: dict) -> str:
 
 def as_text(cell: dict) -> str:
     if cell["cell_type"] == "markdown":
-        return ANCHOR.sub("", cell["source"])
+        return BETWEEN.sub("", cell["source"]).replace(" cell", " listing")
     return f"```{{code-block}} python\n{cell['source']}\n```\n\n{output(cell)}"
 
 
@@ -66,7 +69,15 @@ def figure(folder: Path, page: str, name: str) -> str:
     (folder / f"{name}.png").write_bytes(base64.b64decode("".join(picture)))
     about = cell["metadata"].get("mystnb", {})
     caption = about.get("figure", {}).get("caption", "")
-    return f"```{{figure}} /figures/{name}.png\n:width: 70%\n\n{caption}\n```"
+    here = os.path.relpath(folder, BOOK / "note")
+    return f"```{{figure}} {here}/{name}.png\n:width: 70%\n\n{caption}\n```"
+
+
+def claims(names: list[str]) -> str:
+    """Rows of the table of claims as a list."""
+    table = tomllib.loads((BOOK / "claims.toml").read_text(encoding="utf-8"))
+    rows = {name: row for page in table.values() for name, row in page.items()}
+    return "\n".join(f"- **{name}.** *{rows[name][1]}* {rows[name][2]}" for name in names)
 
 
 def named(role: str, target: str, here: set[str]) -> str:
@@ -85,9 +96,14 @@ def filled(text: str, folder: Path) -> str:
 
     def replace(mark: re.Match) -> str:
         kind, words = mark[1], mark[2].split()
-        if kind == "statement":
-            return statements()[words[0]][0]
-        return figure(folder, *words) if kind == "figure" else between(*words)
+        match kind:
+            case "statement":
+                return statements()[words[0]][0]
+            case "claims":
+                return claims(words)
+            case "figure":
+                return figure(folder, *words)
+        return between(*words)
 
     text = MARK.sub(replace, text)
     here = {match[3] for match in STATEMENT.finditer(text)}
@@ -110,7 +126,7 @@ class Statement(SphinxDirective):
     has_content = True
     optional_arguments = 1
     final_argument_whitespace = True
-    option_spec = {"label": str}
+    option_spec: ClassVar = {"label": str}
 
     def run(self) -> list[nodes.Node]:
         title, _ = self.state.inline_text(self.arguments[0], self.lineno) if self.arguments else ([], [])
@@ -121,7 +137,7 @@ class Statement(SphinxDirective):
 
 
 def write_out(app, docname, source) -> None:
-    source[0] = filled(source[0], Path(app.srcdir, "figures"))
+    source[0] = filled(source[0], Path(app.outdir, "figures"))
 
 
 def setup(app):

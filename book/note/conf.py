@@ -18,7 +18,9 @@ def command(name: str, meaning: str | list) -> str:
 
 
 KINDS = "theorem", "lemma", "proposition", "definition", "remark"
-THEOREMS = [rf"\newtheorem{{{kind}}}{'' if kind == 'theorem' else '[theorem]'}{{{kind.capitalize()}}}" for kind in KINDS]
+THEOREMS = [
+    rf"\newtheorem{{{kind}}}{'' if kind == 'theorem' else '[theorem]'}{{{kind.capitalize()}}}" for kind in KINDS
+]
 
 project = "What to ask of a 5R linkage"
 author = "The kinlib developers"
@@ -39,6 +41,7 @@ latex_elements = {
         [
             r"\usepackage{amsthm}",
             r"\usepackage{cleveref}",
+            r"\fvset{fontsize=\footnotesize}",
             *THEOREMS,
             *(command(*item) for item in BOOK["mathjax3_config"]["tex"]["macros"].items()),
         ]
