@@ -70,6 +70,7 @@ ORDER = [
     "pictures.linkage_parts",
     "pictures.meshes",
     "pictures.canvas",
+    "pictures.bond_diagram",
     "pictures.draw",
     "pictures.joint_angles",
     "pictures.recording",

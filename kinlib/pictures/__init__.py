@@ -7,6 +7,7 @@ try:
         warnings.simplefilter("ignore", DeprecationWarning)
         import meshcat  # noqa: F401
 
+    from kinlib.pictures.bond_diagram import draw_bonds
     from kinlib.pictures.canvas import plane_axes, space_axes
     from kinlib.pictures.colours import (
         BLUE,
@@ -68,6 +69,7 @@ __all__ = [
     "Scene",
     "SceneGrid",
     "Surface",
+    "draw_bonds",
     "draw_curve",
     "draw_frames",
     "draw_hyperboloid",
