@@ -13,6 +13,7 @@ import kinlib as kl
 from kinlib.gallery import THREE_POSES
 from kinlib.pictures import (
     Ball,
+    draw_bonds,
     draw_curve,
     draw_frames,
     draw_hyperboloid,
@@ -228,3 +229,23 @@ def test_the_background_is_the_page(ax):
     assert plain.patch.get_alpha() == plain.figure.patch.get_alpha() == 0
     for empty in plane_axes(2, size=(4, 2)):
         assert empty.patch.get_alpha() == empty.figure.patch.get_alpha() == 0
+
+
+@pytest.mark.parametrize("cut", [None, (0, 2), (3, 1)])
+def test_a_bond_diagram_has_as_many_blue_chords_as_the_degree(linkages, cut):
+    (ax,) = plane_axes(size=(3, 3))
+    draw_bonds(linkages[0], ax, cut=cut)
+    chords = [line for line in ax.lines if len(line.get_xdata()) == 25]
+    ends = [np.round(line.get_xydata()[[0, -1]], 9) for line in chords]
+    dots = ax.collections[0].get_offsets().round(9).tolist()
+    assert [[dots.index(end.tolist()) for end in pair] for pair in ends] == [[0, 2], [0, 3], [1, 4]]
+    assert len({line.get_color() for line in chords}) == 1 + (cut == (3, 1))
+    blue = sum(line.get_linewidth() > 2 for line in chords)
+    assert blue == (0 if cut is None else linkages[0].degrees()[cut])
+
+
+def test_a_bond_diagram_is_of_one_linkage():
+    (ax,) = plane_axes(size=(3, 3))
+    batch = kl.goldberg_linkages(*THREE_POSES, np.array([1 + 2j, 2 + 1j]))[0]
+    with pytest.raises(ValueError, match="a single linkage"):
+        draw_bonds(batch, ax)
