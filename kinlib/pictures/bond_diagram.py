@@ -48,7 +48,8 @@ def draw_bonds(linkage: Linkage, ax: Axes, *, cut: tuple[int, int] | None = None
     seen: Counter[tuple[int, int]] = Counter()
     for bond in linkage.bonds():
         is_cut = cut is not None and bond.is_cut(*cut)
-        chord = _chord(*(place[joint] - turn for joint in bond.joints), seen[bond.joints] * BEND)
+        first, last = (place[joint] - turn for joint in bond.joints)
+        chord = _chord(first, last, seen[bond.joints] * BEND)
         ax.plot(*chord, color=BLUE if is_cut else INK, linewidth=2.4 if is_cut else 1.6, zorder=1)
         seen[bond.joints] += 1
     for link, colour in enumerate(link_colours(linkage)):
