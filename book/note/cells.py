@@ -1,6 +1,7 @@
 """A Sphinx extension: ``<!-- cells PAGE FIRST LAST -->`` becomes those cells of a chapter, with what they printed.
 
-So the note says what the book says, and what was run. ``<!-- statement LABEL -->`` is one statement of the book.
+So the note says what the book says, and what was run. ``<!-- statement LABEL -->`` is one statement of the book, and
+``<!-- proof LABEL -->`` what follows it, listings included, from the word “Proof” to the end of the proof.
 """
 
 import base64
@@ -16,9 +17,9 @@ from docutils import nodes
 from sphinx.util.docutils import SphinxDirective
 
 BOOK = Path(__file__).resolve().parents[1]
-MARK = re.compile(r"^<!-- (cells|statement|figure|claims) (.*?) -->$", re.MULTILINE)
+MARK = re.compile(r"^<!-- (cells|statement|proof|figure|claims) (.*?) -->$", re.MULTILINE)
 STATEMENT = re.compile(r"```\{prf:(\w+)\} ?([^\n]*)\n:label: (\S+)\n.*?\n```$", re.MULTILINE | re.DOTALL)
-ROLE = re.compile(r"\{(doc|ref|prf:ref|numref|py:\w+|term)\}`([^`]*)`")
+ROLE = re.compile(r"\{(doc|eq|ref|prf:ref|numref|py:\w+|term)\}`([^`]*)`")
 BETWEEN = re.compile(r"^(\([\w-]+\)=|#+ .*)\n", re.MULTILINE)  # anchors and headings
 
 
@@ -29,10 +30,17 @@ def cells(page: str) -> list[dict]:
 
 
 @cache
+def chapters() -> list[str]:
+    paths = (path.relative_to(BOOK) for path in BOOK.rglob("*.ipynb"))
+    return sorted(
+        path.with_suffix("").as_posix() for path in paths if not {"assignments", ".ipynb_checkpoints"} & set(path.parts)
+    )
+
+
+@cache
 def statements() -> dict[str, re.Match]:
     """The statements of all chapters by their labels."""
-    chapters = sorted(path for path in BOOK.rglob("*.ipynb") if "assignments" not in path.parts)
-    texts = [cell["source"] for path in chapters for cell in cells(path.relative_to(BOOK).with_suffix("").as_posix())]
+    texts = [cell["source"] for page in chapters() for cell in cells(page)]
     return {match[3]: match for text in texts for match in STATEMENT.finditer(text)}
 
 
@@ -61,6 +69,19 @@ def between(page: str, first: str, last: str) -> str:
     return "\n\n".join(map(as_text, cells(page)[ids.index(first) : ids.index(last) + 1]))
 
 
+def proof(label: str) -> str:
+    """The proof that follows a statement: it may run through several cells, and ends with a square."""
+    page, n = next(
+        (page, n) for page in chapters() for n, cell in enumerate(cells(page)) if f":label: {label}\n" in cell["source"]
+    )
+    text = "\n\n".join(map(as_text, cells(page)[n:]))
+    text = text[text.index(f":label: {label}\n") :]
+    start = re.search(r"^(\*Proof|```\{prf:proof\})", text, re.MULTILINE)
+    last = r"\$\\square\$" if start[1] == "*Proof" else r"^```$"
+    end = re.search(last, text[start.end() :], re.MULTILINE)
+    return text[start.start() : start.end() + end.end()]
+
+
 def figure(folder: Path, page: str, name: str) -> str:
     """The picture that a cell drew, with its caption in the book."""
     cell = next(cell for cell in cells(page) if cell["id"] == name)
@@ -82,6 +103,8 @@ def claims(names: list[str]) -> str:
 
 def named(role: str, target: str, here: set[str]) -> str:
     """A reference to another page of the book as words: the note has no such page."""
+    if role == "eq":
+        return f"{{eq}}`{target}`" if target in here else "the form above"
     if role == "prf:ref" and target in here:
         return f"{{cref}}`{target}`"
     if role == "prf:ref":
@@ -99,6 +122,8 @@ def filled(text: str, folder: Path) -> str:
         match kind:
             case "statement":
                 return statements()[words[0]][0]
+            case "proof":
+                return proof(words[0])
             case "claims":
                 return claims(words)
             case "figure":
@@ -106,7 +131,7 @@ def filled(text: str, folder: Path) -> str:
         return between(*words)
 
     text = MARK.sub(replace, text)
-    here = {match[3] for match in STATEMENT.finditer(text)}
+    here = set(re.findall(r"^:label: (\S+)$", text, re.MULTILINE))
     text = ROLE.sub(lambda match: named(match[1], match[2], here), text)
     return text.replace("```{prf:", "```{")
 
