@@ -30,6 +30,7 @@ from kinlib.poses import as_pose
 from kinlib.projective import Subspace, join, meet, null_space, same_point
 from kinlib.quadratics import quadratic_factors
 from kinlib.quadric import Quadric, binary_roots
+from kinlib.reach import NearestPose
 from kinlib.scalar import as_float, as_scalars, divide, is_exact, is_zero, size
 from kinlib.six_r import ADMISSIBLE_PAIRS, six_r_linkages
 from kinlib.study import (
@@ -60,6 +61,7 @@ __all__ = [
     "Line",
     "Linkage",
     "MotionPolynomial",
+    "NearestPose",
     "NullQuadrilateral",
     "NumberField",
     "NumberFieldElement",

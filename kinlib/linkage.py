@@ -17,6 +17,15 @@ from kinlib.collision import (
     Collisions,
 )
 from kinlib.displacement import act
+from kinlib.drive import (
+    dead_points,
+    joint_ranges,
+    joint_rates,
+    order_of_visits,
+    parameters_of_angle,
+    turns_of,
+    twist_of,
+)
 from kinlib.dual_quaternion import DualQuaternion, one
 from kinlib.errors import DegenerateError
 from kinlib.line import Line
@@ -25,6 +34,8 @@ from kinlib.loop_collisions import clearance_of, collisions_of
 from kinlib.loop_motion import motion_of_axes
 from kinlib.mobility import general_mobility
 from kinlib.motion_polynomial import MotionPolynomial, RationalCurve
+from kinlib.poses import as_pose
+from kinlib.reach import NearestPose, nearest_pose, parameters_of_pose
 from kinlib.relative_motion import relative_motion
 from kinlib.rows import broadcast
 from kinlib.scalar import RTOL, as_float, as_scalars
@@ -383,6 +394,174 @@ class Linkage:
         (1, 1)
         """
         return general_mobility(self._loop, rtol=rtol) if t is None else self.at(t).mobility(rtol=rtol)
+
+    # ---- the drive -----------------------------------------------------------------------------------
+
+    def parameter_of(self, angle: ArrayLike, joint: int = 0) -> Array:
+        """All t at which a joint has turned by an angle from t = ∞: as many as it turns round.
+
+        Parameters
+        ----------
+        angle : array_like, shape (...)
+            In radians, as :meth:`joint_angles` gives them, right-handed about the joint's axis; whole rounds do not
+            matter.  Angles of SymPy, such as π/3, give exact parameters of an exact linkage.
+        joint : int
+            The number of the joint, from 0.
+
+        Returns
+        -------
+        numpy.ndarray, shape (..., m)
+            One for a joint with one factor, m for one with m, in the order of t with ∞ at the end; NaN behind them
+            where a joint that swings to and fro has fewer, or none.
+
+        Examples
+        --------
+        >>> from math import pi
+        >>> from kinlib import bennett_flip
+        >>> h1, h2 = i, 2 * j - 2 * eps * i
+        >>> loop = Linkage.from_chains([h1, h2], bennett_flip(h1, h2))
+        >>> loop.parameter_of(pi / 2).round(9).tolist(), loop.parameter_of(0).tolist()
+        ([-1.0], [inf])
+        """
+        return parameters_of_angle(self._loop, angle, joint)
+
+    def parameters_of_pose(self, pose: PoseLike, *, rtol: float = RTOL, degenerate: Degenerate = "raise") -> Array:
+        """All t at which the coupler has a pose; exact for an exact linkage and pose.
+
+        Parameters
+        ----------
+        pose : pose, shape (...)
+            Of the coupler's frame.
+        rtol : float
+            How far the coupler may pass from the pose, in turning and in parts of the size of the linkage.
+        degenerate : {"raise", "nan"}
+            What to do about poses that are not reached.
+
+        Returns
+        -------
+        numpy.ndarray, shape (..., m)
+            In the order of t with ∞ at the end; m is 1 unless some pose is passed several times, then rows with fewer
+            end in NaN.
+
+        Raises
+        ------
+        DegenerateError
+            If a pose is not reached; the message says how far the coupler passes by.
+
+        Examples
+        --------
+        >>> from kinlib import bennett_linkage, gallery
+        >>> loop = bennett_linkage(*gallery.THREE_POSES)
+        >>> [[str(t) for t in loop.parameters_of_pose(pose)] for pose in gallery.THREE_POSES]
+        [['inf'], ['0'], ['1']]
+        >>> loop.parameters_of_pose(gallery.THREE_POSES[2] * (1 + eps * i))
+        Traceback (most recent call last):
+        ...
+        kinlib.errors.DegenerateError: the coupler does not reach the pose: where it is nearest, at t = 2.11911, it \
+is turned by 0.42 rad and shifted by 1.7 against it; nearest_pose() gives this t, rtol= accepts more
+        """
+        return parameters_of_pose(self._loop, self.coupler, self.coupler_motion, as_pose(pose), rtol, degenerate)
+
+    def nearest_pose(self, pose: PoseLike) -> NearestPose:
+        """The t at which the coupler comes nearest to a pose, and how near; in floats, shape (...).
+
+        There is no distance of poses that does not depend on a length.  Here it is the size of the linkage, see
+        :class:`NearestPose`.
+
+        Examples
+        --------
+        >>> from kinlib import bennett_linkage, gallery
+        >>> loop = bennett_linkage(*gallery.THREE_POSES)
+        >>> [round(x, 3) for x in loop.nearest_pose(gallery.THREE_POSES[2] * (1 + eps * i))]
+        [2.119, 0.419, 1.717]
+        """
+        return nearest_pose(self._loop, self.coupler, as_pose(pose))
+
+    def joint_rates(self, t: ArrayLike, joint: int | None = 0) -> Array:
+        """How fast the joints turn at t; shape (..., n).
+
+        Parameters
+        ----------
+        t : scalar or array
+            Broadcasts against the batch; ∞ is no exception.
+        joint : int or None
+            For which joint the rate is 1.  With None all rates are in radians per unit of t, so 0 at infinity.
+
+        Returns
+        -------
+        numpy.ndarray
+            Infinite, or NaN, where this joint is at one of its :meth:`dead_points`.
+
+        Examples
+        --------
+        >>> from kinlib import bennett_flip
+        >>> h1, h2 = i, 2 * j - 2 * eps * i
+        >>> loop = Linkage.from_chains([h1, h2], bennett_flip(h1, h2))
+        >>> [str(rate) for rate in loop.joint_rates(0)], [str(rate) for rate in loop.joint_rates(0, None)]
+        (['1', '1/2', '1', '1/2'], ['2', '1', '2', '1'])
+        """
+        return joint_rates(self._loop, t, joint)
+
+    def twist(self, t: ArrayLike, link: int, joint: int | None = 0) -> Array:
+        """The velocity of a link against link 0 at t, when a joint turns by one radian per unit of time.
+
+        Returns
+        -------
+        numpy.ndarray, shape (..., 6)
+            The angular velocity ω, right-handed, and the velocity v of the point of the link that is at the origin, in
+            the fixed frame: a point at x has the velocity v + ω × x.  With ``joint=None`` per unit of t.
+
+        Examples
+        --------
+        >>> from kinlib import bennett_flip
+        >>> h1, h2 = i, 2 * j - 2 * eps * i
+        >>> loop = Linkage.from_chains([h1, h2], bennett_flip(h1, h2))
+        >>> [str(x) for x in loop.twist(0, 1)]
+        ['1', '0', '0', '0', '0', '0']
+        """
+        return twist_of(self._loop, t, link, joint)
+
+    def dead_points(self, joint: int) -> Array:
+        """All t at which a joint turns back, where it can not drive the linkage; shape (..., 2m − 2), m its factors.
+
+        A joint that turns once has none.  In the order of t, NaN behind them where there are fewer.
+
+        Examples
+        --------
+        >>> from kinlib import bennett_linkage, gallery
+        >>> bennett_linkage(*gallery.THREE_POSES).dead_points(0).shape
+        (0,)
+        """
+        return dead_points(self._loop, joint)
+
+    def turns(self) -> Array:
+        """How often each joint turns round its axis during the whole motion, t from −∞ to ∞; shape (..., n).
+
+        Right-handed about the :attr:`axes`; 0 for a joint that swings to and fro.
+
+        Examples
+        --------
+        >>> from kinlib import gallery, goldberg_linkages
+        >>> goldberg_linkages(*gallery.THREE_POSES, (1, 2))[0].turns().tolist()
+        [2, 1, 1, 1, 1]
+        """
+        return turns_of(self._loop)
+
+    def joint_ranges(self) -> Array:
+        """The least and the greatest of the :meth:`joint_angles` over the motion; radians, shape (..., n, 2)."""
+        return joint_ranges(self._loop)
+
+    def order_of_visits(self) -> Array:
+        """In which order the poses at the :attr:`parameters` are passed while t grows; from pose 0 on, shape (..., m).
+
+        Examples
+        --------
+        >>> from kinlib import bennett_linkage, gallery
+        >>> loop = bennett_linkage(*gallery.THREE_POSES)
+        >>> loop.parameters, loop.order_of_visits().tolist()
+        ((inf, 0, 1), [0, 1, 2])
+        """
+        return order_of_visits([np.broadcast_to(as_scalars(t), self.shape) for t in self.parameters])
 
     # ---- bars that meet ------------------------------------------------------------------------------
 

@@ -182,6 +182,26 @@ def test_bars_that_meet_have_no_clearance(shape):
     assert np.all((linkage.clearance() == 0) == (np.asarray(hits.count) > 0))
 
 
+COVERED.add("NearestPose")
+
+
+@pytest.mark.parametrize("shape", SHAPES)
+def test_parameters_angles_and_poses_belong_together(shape):
+    linkage = _synthesised(shape)
+    t = np.broadcast_to(np.array(0.3), shape)[()]
+    found = linkage.parameters_of_pose(linkage.coupler_motion(t))
+    assert found.shape == linkage.parameter_of(1.0, 2).shape == (*shape, 1)
+    assert_same_numbers(found[..., 0], t)
+    assert_same_numbers(linkage.parameter_of(linkage.joint_angles(t)[..., 2], 2)[..., 0], t)
+    nearest = linkage.nearest_pose(linkage.coupler_motion(t))
+    assert np.shape(nearest.t) == np.shape(nearest.shift) == shape
+    assert linkage.twist(t, 2).shape == (*shape, 6)
+    assert linkage.joint_rates(t).shape == linkage.turns().shape == (*shape, 4)
+    assert linkage.joint_ranges().shape == (*shape, 4, 2)
+    assert linkage.order_of_visits().shape == (*shape, 3)
+    assert linkage.dead_points(1).shape == (*shape, 0)
+
+
 COVERED.add("Families")
 
 
