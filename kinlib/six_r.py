@@ -13,7 +13,7 @@ from kinlib.dual_quaternion import DualQuaternion, eps_times, null_form, study_f
 from kinlib.errors import first_fault
 from kinlib.factorization import NO_INVERSE, FactorFault, divided_off, factored, split_motion
 from kinlib.interpolation import Families
-from kinlib.linkage import Linkage
+from kinlib.linkage import Linkage, verified_loop
 from kinlib.polishing import polished_at
 from kinlib.poses import opening
 from kinlib.rows import replaced
@@ -173,7 +173,7 @@ def _on_quadric(h: DualQuaternion) -> DualQuaternion:
 
 
 def _linkages(families: CubicFamilies, factors: list[DualQuaternion], family: int) -> list[Linkage]:
-    """The nine linkages of one family."""
+    """The nine linkages of one family: all six chains are known to have the cubic as their product."""
     chains = families.spread_all(factors, family)
     home, parameters = families.problem.home, families.parameters(family)
-    return [Linkage.from_chains(chains[m], chains[n], home=home, parameters=parameters) for m, n in ADMISSIBLE_PAIRS]
+    return [verified_loop(chains[m], chains[n], home=home, parameters=parameters) for m, n in ADMISSIBLE_PAIRS]
