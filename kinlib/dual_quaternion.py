@@ -24,7 +24,7 @@ __all__ = [
 
 UNITS = ("", "i", "j", "k", "ε", "εi", "εj", "εk")
 LATEX_UNITS = "", r"\mathbf{i}", r"\mathbf{j}", r"\mathbf{k}"
-FEW = 6  # products so few go one by one: Python's floats cost less than calling NumPy on short arrays
+FEW = 512  # products so few are summed up by tables: one call of NumPy costs as much as short arrays
 BLOCK = 2**16  # rows of a batch at a time: they stay in the cache, and NumPy can use temporaries again
 
 
@@ -70,7 +70,7 @@ class DualQuaternion:
         array = _coefficients(coeffs)
         if array.ndim == 0 or array.shape[-1] != 8:
             raise ValueError(f"expected coefficients of shape (..., 8), got {array.shape}")
-        components = np.ascontiguousarray(np.moveaxis(array, -1, 0))
+        components = np.ascontiguousarray(array.transpose(-1, *range(array.ndim - 1)))
         components.setflags(write=False)
         self._components = components
 
@@ -102,8 +102,11 @@ class DualQuaternion:
         items = [as_dual_quaternion(item) for item in items]
         if not items:
             raise ValueError("expected at least one dual quaternion to stack")
-        coeffs = np.broadcast_arrays(*promote(*[item.coeffs for item in items]))
-        return wrap(np.moveaxis(np.stack(coeffs, axis=axis if axis >= 0 else axis - 1), -1, 0))
+        components = promote(*[item._components for item in items])
+        if any(x.shape != components[0].shape for x in components):
+            shape = np.broadcast_shapes(*[x.shape[1:] for x in components])
+            components = tuple(_over(x, shape) for x in components)
+        return wrap(np.stack(components, axis=axis + 1 if axis >= 0 else axis))
 
     @property
     def components(self) -> np.ndarray:
@@ -137,17 +140,21 @@ class DualQuaternion:
 
     def conjugate(self) -> DualQuaternion:
         """q̄ = p̄ + εd̄: the signs of i, j and k change."""
-        return wrap(_signed(self._components, (1, -1, -1, -1, 1, -1, -1, -1)))
+        components = -self._components
+        components[::4] = self._components[::4]
+        return wrap(components)
 
     def eps_conjugate(self) -> DualQuaternion:
         """p − εd: the sign of ε changes."""
-        return wrap(_signed(self._components, (1, 1, 1, 1, -1, -1, -1, -1)))
+        components = self._components.copy()
+        components[4:] = -components[4:]
+        return wrap(components)
 
     def norm(self) -> DualQuaternion:
         """The dual number q q̄ = p p̄ + ε(p d̄ + d p̄); never its root."""
         p, d = self._components[:4], self._components[4:]
         norm = np.zeros_like(self._components)
-        norm[0], norm[4] = (p * p).sum(axis=0), 2 * (p * d).sum(axis=0)
+        norm[0], norm[4] = _inner(p, p), 2 * _inner(p, d)
         return wrap(norm)
 
     def inverse(self) -> DualQuaternion:
@@ -219,7 +226,7 @@ class DualQuaternion:
 
     def __sub__(self, other: DualQuaternion | ArrayLike) -> DualQuaternion:
         if isinstance(other, DualQuaternion):
-            return wrap(_aligned_sum(self._components, -other._components))
+            return wrap(_aligned_sum(self._components, other._components, operator.sub))
         if not is_scalar(other):
             return NotImplemented
         return wrap(_plus_scalar(self._components, other, operator.sub))
@@ -234,7 +241,7 @@ class DualQuaternion:
             return wrap(self._components * other)
         if not is_scalar(other):
             return NotImplemented
-        return wrap(_scaled(self._components, as_scalars(other)))
+        return wrap(_scaled(self._components, _scalars(other)))
 
     def __rmul__(self, scalar: ArrayLike) -> DualQuaternion:
         return self * scalar  # a scalar commutes with everything; dual quaternions never come here
@@ -248,9 +255,10 @@ class DualQuaternion:
             return NotImplemented
         if _takes_the_precision_of(self._components, other) and other:
             return wrap(self._components / other)
-        scalar = as_scalars(other)
-        components = self._components if scalar.ndim == 0 else _aligned(self._components, scalar[None])
-        return wrap(divide(*components) if scalar.ndim else divide(components, scalar[()]))
+        scalar = _scalars(other)
+        if scalar.ndim == 0:
+            return wrap(divide(self._components, scalar[()]))
+        return wrap(divide(*_aligned(self._components, scalar[None])))
 
     def __rtruediv__(self, scalar: ArrayLike) -> DualQuaternion:
         return self.inverse() * scalar
@@ -331,8 +339,8 @@ def study_form(x: DualQuaternion, y: DualQuaternion) -> Scalars:
     >>> int(study_form(i, j - eps * i))       # two skew lines, one apart and at right angles
     -1
     """
-    (p0, p1, p2, p3, d0, d1, d2, d3), (r0, r1, r2, r3, e0, e1, e2, e3) = _components_of(x, y)
-    return p0 * e0 + p1 * e1 + p2 * e2 + p3 * e3 + d0 * r0 + d1 * r1 + d2 * r2 + d3 * r3
+    a, b = _components_of(x, y)
+    return _inner(a[:4], b[4:]) + _inner(a[4:], b[:4])
 
 
 def null_form(x: DualQuaternion, y: DualQuaternion) -> Scalars:
@@ -343,7 +351,15 @@ def null_form(x: DualQuaternion, y: DualQuaternion) -> Scalars:
     >>> int(null_form(1 + 2 * i + eps, 3 + j))
     3
     """
-    (p0, p1, p2, p3, *_), (r0, r1, r2, r3, *_) = _components_of(x, y)
+    a, b = _components_of(x, y)
+    return _inner(a[:4], b[:4])
+
+
+def _inner(p: np.ndarray, r: np.ndarray) -> Scalars:
+    """Σ p_k r_k for components first, four of each; batches broadcast from the right."""
+    if p.dtype == r.dtype == float:
+        return p @ r if p.ndim == r.ndim == 1 else np.einsum("k...,k...->...", p, r)
+    (p0, p1, p2, p3), (r0, r1, r2, r3) = p, r
     return p0 * r0 + p1 * r1 + p2 * r2 + p3 * r3
 
 
@@ -428,38 +444,39 @@ def _takes_the_precision_of(components: np.ndarray, x: Any) -> bool:
     return components.dtype.kind in "fc" and (kind is float or (kind is int and abs(x) < 2**1023))
 
 
+def _scalars(x: Any) -> Any:
+    """Numbers to compute with, as :func:`~kinlib.scalar.as_scalars` stores them; arrays of floats as they are."""
+    return x if type(x) in (np.ndarray, np.float64) and x.dtype == float else as_scalars(x)
+
+
 def _plus_scalar(components: np.ndarray, scalar: Any, combine: Callable[[Any, Any], Any] = operator.add) -> np.ndarray:
     """The sum with a scalar, or an array of scalars, in the precision of the components; or the difference."""
-    single = _takes_the_precision_of(components, scalar)
-    array = np.array(scalar, dtype=components.dtype) if single else as_scalars(scalar)
-    components, array = promote(*_aligned(components, array[None]))
-    shape = np.broadcast_shapes(components.shape, (8, *array.shape[1:]))
-    total = np.empty(shape, dtype=np.result_type(components, array))
-    np.add(components, 0, out=total)  # no zero is left with a sign
-    total[0] = combine(total[0], array[0])
+    if _takes_the_precision_of(components, scalar):
+        scalar = components.dtype.type(scalar)
+    else:
+        components, scalar = promote(components, _scalars(scalar))
+        components, scalar = _aligned(components, scalar[None])
+    first = combine(components[:1], scalar)
+    if first.shape[1:] != components.shape[1:] or first.dtype != components.dtype:
+        components = np.broadcast_to(components, (8, *first.shape[1:])).astype(first.dtype)
+    total = components + 0  # no zero is left with a sign
+    total[:1] = first
     return total
-
-
-def _signed(components: np.ndarray, signs: tuple[int, ...]) -> np.ndarray:
-    small = np.array(signs, dtype=np.int8)  # beside single precision, which it leaves as it is
-    return components * small.reshape((8,) + (1,) * (components.ndim - 1))
 
 
 def _aligned(a: np.ndarray, b: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Insert axes behind the components, so that the batches broadcast from the right."""
-    batch = max(a.ndim, b.ndim) - 1
-    a, b = (x.reshape(x.shape[:1] + (1,) * (batch - x.ndim + 1) + x.shape[1:]) for x in (a, b))
-    return a, b
+    missing = a.ndim - b.ndim
+    if missing > 0:
+        return a, b.reshape(*b.shape[:1], *(1,) * missing, *b.shape[1:])
+    return (a.reshape(*a.shape[:1], *(1,) * -missing, *a.shape[1:]) if missing else a), b
 
 
-def _aligned_sum(a: np.ndarray, b: np.ndarray) -> np.ndarray:
-    a, b = promote(a, b)
-    if a.ndim != b.ndim:
-        a, b = _aligned(a, b)
-    return a + b
+def _aligned_sum(a: np.ndarray, b: np.ndarray, combine: Callable[[Any, Any], Any] = operator.add) -> np.ndarray:
+    return combine(*_aligned(*promote(a, b)))
 
 
-def _scaled(components: np.ndarray, scalar: np.ndarray) -> np.ndarray:
+def _scaled(components: np.ndarray, scalar: Any) -> np.ndarray:
     components, scalar = promote(components, scalar)
     if scalar.ndim == 0:
         return components * scalar[()]
@@ -488,10 +505,18 @@ def _product(a: np.ndarray, b: np.ndarray) -> np.ndarray:
     if a.ndim == b.ndim == 1:
         values = _product_formula(a.tolist(), b.tolist())
         return np.array(values, dtype=a.dtype) if a.dtype == b.dtype else as_scalars(values)
-    if a.dtype == b.dtype == float and a.shape == b.shape and a.size <= 8 * FEW:
-        pairs = zip(a.reshape(8, -1).T.tolist(), b.reshape(8, -1).T.tolist(), strict=True)
-        return np.array([_product_formula(*pair) for pair in pairs]).T.reshape(a.shape)
+    if a.dtype == b.dtype == float and max(a.size, b.size) <= 8 * FEW:
+        a, b = _aligned(a, b)
+        if np.broadcast(a, b).size <= 8 * FEW:
+            product = np.einsum("nm,nm...,m...->n...", SIGNS, a[NUMBERS], b)
+            if np.isfinite(product).all():  # else 0 · ∞ may have come in
+                return product
     return blockwise(_product_formula, a, b, rows=8)
+
+
+TABLE = np.array([_product_formula(unit, np.eye(8)) for unit in np.eye(8)])
+NUMBERS, SIGNS = np.abs(TABLE).argmax(axis=0), TABLE.sum(axis=0)
+"""Component n of a product ab is the sum of SIGNS[n, m] a[NUMBERS[n, m]] b[m] over m."""
 
 
 def blockwise(formula: Callable[..., tuple[Any, ...]], *operands: np.ndarray, rows: int) -> np.ndarray:
@@ -524,9 +549,13 @@ def blockwise(formula: Callable[..., tuple[Any, ...]], *operands: np.ndarray, ro
 
 
 def _flat(x: np.ndarray, shape: tuple[int, ...], total: int) -> np.ndarray:
-    if x.shape[1:] != shape:
-        x = np.broadcast_to(x.reshape(x.shape[:1] + (1,) * (len(shape) - x.ndim + 1) + x.shape[1:]), (len(x), *shape))
-    return x.reshape(len(x), total)
+    return (x if x.shape[1:] == shape else _over(x, shape)).reshape(len(x), total)
+
+
+def _over(x: np.ndarray, shape: tuple[int, ...]) -> np.ndarray:
+    """An array with the components first, broadcast over a batch."""
+    missing = len(shape) - x.ndim + 1
+    return np.broadcast_to(x.reshape(x.shape[:1] + (1,) * missing + x.shape[1:]), (len(x), *shape))
 
 
 one, i, j, k, eps = (DualQuaternion(row) for row in np.eye(8, dtype=int)[:5])

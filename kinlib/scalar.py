@@ -191,7 +191,8 @@ def _float_or_same(array: np.ndarray) -> np.ndarray:
 
 def promote(*arrays: np.ndarray) -> tuple[np.ndarray, ...]:
     """Arrays that may be combined: beside floats, exact numbers become floats and symbols stay."""
-    if all(x.dtype == arrays[0].dtype for x in arrays):
+    first = arrays[0].dtype
+    if all([x.dtype == first for x in arrays]):  # noqa: C419 a list is faster than a generator
         return arrays
     kinds = {x.dtype.kind for x in arrays}
     if "O" in kinds and kinds & set("fc"):
@@ -212,6 +213,9 @@ def is_exact(array: np.ndarray) -> bool:
     return array.dtype.kind not in "fc"
 
 
+FLOATS = (np.ndarray, np.floating)
+
+
 def divide(numerator: ArrayLike, denominator: ArrayLike) -> Scalars:
     """The quotient, exact for exact numbers: whole numbers give fractions, never floats.
 
@@ -222,7 +226,11 @@ def divide(numerator: ArrayLike, denominator: ArrayLike) -> Scalars:
     >>> divide(np.array([2.0]), 4).tolist()
     [0.5]
     """
-    if isinstance(numerator, np.floating) and isinstance(denominator, np.floating):
+    if (
+        isinstance(numerator, FLOATS)
+        and isinstance(denominator, FLOATS)
+        and numerator.dtype == denominator.dtype == float
+    ):
         return numerator / denominator
     numerator, denominator = promote(np.asarray(numerator), np.asarray(denominator))
     kinds = {numerator.dtype.kind, denominator.dtype.kind}
