@@ -41,6 +41,7 @@ from kinlib.study import (
     study_projection,
 )
 from kinlib.three_poses import dyads_through_poses, study_eigenvalues
+from kinlib.timetable import ConstantPointSpeed, ConstantSpeed, RestAtPoses, Timetable
 from kinlib.z_plane import ZFault, ZPlane, z_planes
 
 __all__ = [
@@ -53,6 +54,8 @@ __all__ = [
     "Collision",
     "CollisionFault",
     "Collisions",
+    "ConstantPointSpeed",
+    "ConstantSpeed",
     "DHRow",
     "DegenerateError",
     "DualQuaternion",
@@ -67,7 +70,9 @@ __all__ = [
     "NumberFieldElement",
     "Quadric",
     "RationalCurve",
+    "RestAtPoses",
     "Subspace",
+    "Timetable",
     "TwoRSpace",
     "ZFault",
     "ZPlane",

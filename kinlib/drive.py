@@ -33,6 +33,7 @@ __all__ = [
     "parameters_of_angle",
     "turns_of",
     "twist_of",
+    "weighted_twist",
 ]
 
 DOUBLE = 1e-13
@@ -177,6 +178,18 @@ def joint_rates(loop: Loop, t: ArrayLike, joint: int | None) -> Array:
 
 def twist_of(loop: Loop, t: ArrayLike, link: int, joint: int | None) -> Array:
     """The twist of a link against link 0 at t, per radian of a joint or per unit of t; shape (..., 6)."""
+    coordinates, weight, rates = weighted_twist(loop, t, link)
+    if joint is None:
+        return np.asarray(divide(coordinates, weight[..., None]))
+    joint = joint_number(loop, joint)
+    return _per(coordinates, np.asarray(rates[joint] * _lengths(loop)[joint])[..., None])
+
+
+def weighted_twist(loop: Loop, t: ArrayLike, link: int) -> tuple[Array, Array, list[Any]]:
+    """The twist of a link per unit of t times a weight, the weight, and all rates in the same way.
+
+    For floats the weight is 1 + t², so that nothing is lost at infinity.
+    """
     link = whole(link, "the link as a whole number")
     if not 0 <= link < loop.joint_count:
         raise ValueError(f"expected a link among 0, …, {loop.joint_count - 1}, got {link}")
@@ -187,11 +200,7 @@ def twist_of(loop: Loop, t: ArrayLike, link: int, joint: int | None) -> Array:
         frame = links[..., n]
         axis = frame * loop.axes[..., n] * frame.conjugate() * divide(1, null_form(frame, frame))
         twist = twist + axis * rates[n]
-    coordinates = twist.coeffs[..., [1, 2, 3, 5, 6, 7]]
-    if joint is None:
-        return np.asarray(divide(coordinates, weight[..., None]))
-    joint = joint_number(loop, joint)
-    return _per(coordinates, np.asarray(rates[joint] * _lengths(loop)[joint])[..., None])
+    return twist.coeffs[..., [1, 2, 3, 5, 6, 7]], weight, rates
 
 
 def _per(values: Array, rate: Array) -> Array:

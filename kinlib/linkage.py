@@ -39,6 +39,7 @@ from kinlib.reach import NearestPose, nearest_pose, parameters_of_pose
 from kinlib.relative_motion import relative_motion
 from kinlib.rows import broadcast
 from kinlib.scalar import RTOL, as_float, as_scalars
+from kinlib.timetable import Driven, Law, Timetable, driven_at
 from kinlib.typing import Array, ArrayLike, Degenerate, PointLike, PoseLike, ScalarLike
 
 __all__ = ["Linkage"]
@@ -562,6 +563,40 @@ is turned by 0.42 rad and shifted by 1.7 against it; nearest_pose() gives this t
         ((inf, 0, 1), [0, 1, 2])
         """
         return order_of_visits([np.broadcast_to(as_scalars(t), self.shape) for t in self.parameters])
+
+    def drive(self, law: Law, times: ArrayLike) -> Timetable:
+        """Where the linkage is at given times, when it is driven by a law.
+
+        Parameters
+        ----------
+        law : ConstantSpeed, ConstantPointSpeed or RestAtPoses
+        times : array_like, shape (m,)
+            In the unit of time of the law.
+
+        Returns
+        -------
+        Timetable
+            With parameters, joint angles and poses of the coupler.
+
+        Raises
+        ------
+        ValueError
+            If the joint that is to drive turns back somewhere, or the point that is to move does not.
+
+        Examples
+        --------
+        >>> from kinlib import ConstantPointSpeed, bennett_linkage, gallery
+        >>> loop = bennett_linkage(*gallery.THREE_POSES)
+        >>> table = loop.drive(ConstantPointSpeed([1, 0, 0], speed=0.1), np.linspace(0.0, 3.0, 31))
+        >>> steps = np.diff(act(table.poses, [1, 0, 0]), axis=0)
+        >>> np.linalg.norm(steps, axis=-1).round(3).tolist() == [0.01] * 30
+        True
+        """
+        floats = self.astype(float)
+        times, t, angles = driven_at(law, Driven(floats._loop, self.coupler, self.parameters), times)
+        poses = floats.coupler_motion(np.moveaxis(t, -1, 0)) if self.shape else floats.coupler_motion(t)
+        batch = DualQuaternion(np.moveaxis(poses.coeffs, 0, -2)) if self.shape else poses
+        return Timetable(times, t, angles, batch)
 
     # ---- bars that meet ------------------------------------------------------------------------------
 

@@ -7,10 +7,13 @@ import numpy as np
 import pytest
 
 from kinlib import (
+    ConstantPointSpeed,
+    ConstantSpeed,
     DegenerateError,
     DualQuaternion,
     Dyad,
     Linkage,
+    RestAtPoses,
     act,
     as_matrix,
     as_rigid_transform,
@@ -182,7 +185,7 @@ def test_bars_that_meet_have_no_clearance(shape):
     assert np.all((linkage.clearance() == 0) == (np.asarray(hits.count) > 0))
 
 
-COVERED.add("NearestPose")
+COVERED.update(("NearestPose", "ConstantSpeed", "ConstantPointSpeed", "RestAtPoses", "Timetable"))
 
 
 @pytest.mark.parametrize("shape", SHAPES)
@@ -200,6 +203,10 @@ def test_parameters_angles_and_poses_belong_together(shape):
     assert linkage.joint_ranges().shape == (*shape, 4, 2)
     assert linkage.order_of_visits().shape == (*shape, 3)
     assert linkage.dead_points(1).shape == (*shape, 0)
+    for law in (ConstantSpeed(), ConstantPointSpeed([1, 2, 3]), RestAtPoses()):
+        table = linkage.drive(law, [0.0, 0.5])
+        assert table.t.shape == table.poses.shape == (*shape, 2)
+        assert table.angles.shape == (*shape, 2, 4)
 
 
 COVERED.add("Families")

@@ -48,6 +48,7 @@ ORDER = [
     "loop_collisions",
     "phase",
     "reach",
+    "timetable",
     "closing",
     "joint_rates",
     "several_turns",
