@@ -1,5 +1,6 @@
 """The algebra of 2R dyads by name, and 4R, 5R and 6R linkages from poses."""
 
+from kinlib import task
 from kinlib.bennett import bennett_linkage
 from kinlib.bonds import Bond
 from kinlib.chain import Chain, DHRow
@@ -18,7 +19,7 @@ from kinlib.displacement import (
 )
 from kinlib.dual_quaternion import DualQuaternion, eps, i, j, k, null_form, one, study_form
 from kinlib.dyad import Dyad, NullQuadrilateral, TwoRSpace, primal_coordinates, recognise
-from kinlib.errors import DegenerateError
+from kinlib.errors import DegenerateError, NotFoundError
 from kinlib.factorization import bennett_flip, exchange, factorizations, factorize, quadratic_of
 from kinlib.goldberg import goldberg_linkages
 from kinlib.interpolation import Families, conic_through, cubics_through, fourth_parameters
@@ -40,6 +41,7 @@ from kinlib.study import (
     is_null_line,
     study_projection,
 )
+from kinlib.task_linkages import bennett_linkages_for, goldberg_linkages_for, six_r_linkages_for
 from kinlib.three_poses import dyads_through_poses, study_eigenvalues
 from kinlib.timetable import ConstantPointSpeed, ConstantSpeed, RestAtPoses, Timetable
 from kinlib.z_plane import ZFault, ZPlane, z_planes
@@ -65,6 +67,7 @@ __all__ = [
     "Linkage",
     "MotionPolynomial",
     "NearestPose",
+    "NotFoundError",
     "NullQuadrilateral",
     "NumberField",
     "NumberFieldElement",
@@ -85,6 +88,7 @@ __all__ = [
     "axis_of",
     "bennett_flip",
     "bennett_linkage",
+    "bennett_linkages_for",
     "binary_roots",
     "common_perpendicular",
     "conic_through",
@@ -99,6 +103,7 @@ __all__ = [
     "from_matrix",
     "from_rigid_transform",
     "goldberg_linkages",
+    "goldberg_linkages_for",
     "half_turn",
     "i",
     "is_exact",
@@ -119,11 +124,13 @@ __all__ = [
     "rotation",
     "same_point",
     "six_r_linkages",
+    "six_r_linkages_for",
     "size",
     "square_root",
     "study_eigenvalues",
     "study_form",
     "study_projection",
+    "task",
     "translation",
     "unit",
     "z_planes",

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-__all__ = ["DegenerateError"]
+__all__ = ["DegenerateError", "NotFoundError"]
 
 
 class DegenerateError(ValueError):
@@ -32,6 +32,16 @@ class DegenerateError(ValueError):
         super().__init__(message)
         self.dyad = dyad
         self.rows = rows
+
+
+class NotFoundError(ValueError):
+    """A search found nothing, which does not mean that there is nothing; the message says what was tried.
+
+    Examples
+    --------
+    >>> issubclass(NotFoundError, ValueError)
+    True
+    """
 
 
 class Fault(IntEnum):
