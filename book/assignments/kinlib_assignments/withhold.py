@@ -10,7 +10,7 @@ from contextlib import contextmanager
 from pathlib import PurePath
 from types import CodeType, FrameType, FunctionType
 
-__all__ = ["answer_of", "defined_beside", "withheld"]
+__all__ = ["answer_of", "defined_beside", "methods_of", "withheld"]
 
 
 def defined_beside(*known: Callable) -> tuple[FunctionType, ...]:
@@ -25,6 +25,19 @@ def defined_beside(*known: Callable) -> tuple[FunctionType, ...]:
     files = {one.__module__: sys.modules[one.__module__] for one in known}
     functions = (thing for file in files.values() for thing in vars(file).values() if inspect.isfunction(thing))
     return tuple(function for function in functions if function.__module__ in files)
+
+
+def methods_of(kind: type) -> tuple[FunctionType, ...]:
+    """All functions of a class: its methods, class methods and properties.
+
+    Examples
+    --------
+    >>> from kinlib import ZPlane
+    >>> {ZPlane.partner, ZPlane.of.__func__, ZPlane.corners.fget} <= set(methods_of(ZPlane))
+    True
+    """
+    things = [getattr(thing, "__func__", getattr(thing, "fget", thing)) for thing in vars(kind).values()]
+    return tuple(thing for thing in things if inspect.isfunction(thing))
 
 
 def answer_of(function: Callable, *given, without: tuple[FunctionType, ...] = ()):

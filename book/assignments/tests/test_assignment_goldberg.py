@@ -13,9 +13,40 @@ DESIGN = {"design-room": 1, "design-lengths": 1, "design-travel": 1}
 ADAS = "z = 2.033 - 1.567j"  # keeps to her brief, whatever her functions say
 
 SLIPS = {
+    "the coordinates of hA and hB are exchanged": (
+        {"coordinates": ("(one, hA, hB, hA * hB, pose)", "(one, hB, hA, hA * hB, pose)")},
+        {"pose-coordinates": 1, "pose-parameters": 1},
+        "the coordinates of hA and hB are exchanged",
+    ),
+    "a pose is divided by its last coordinate": (
+        {"coordinates": ("[-number / last for number in x]", "[number / x[-1] for number in x]")},
+        {"pose-coordinates": 1},
+        "keep the factor",
+    ),
+    "the last sign of the null vector is forgotten": (
+        {"coordinates": ("[-number / last for number in x]", "[number / last for number in x]")},
+        {"pose-coordinates": 1},
+        "the sign is wrong: the pose is x0 + x1 hA",
+    ),
+    "floats for fractions": (
+        {"coordinates": ("[-number / last for", "[-float(number / last) for")},
+        {"pose-coordinates": 1},
+        "it must be exact",
+    ),
     "s_A and s_B are exchanged": (
         {"parameters": ("return -x2 / x3, -x1 / x3", "return -x1 / x3, -x2 / x3")},
-        {"pose-parameters": 1, "poses-are-met": 1, "closed-loop": 1},
+        {"pose-parameters": 1},
+        "s_A and s_B are exchanged: the coordinate of hA is −s_B",
+    ),
+    "the signs of s_A and s_B are wrong": (
+        {"parameters": ("return -x2 / x3, -x1 / x3", "return x2 / x3, x1 / x3")},
+        {"pose-parameters": 1},
+        "the signs are wrong",
+    ),
+    "the factor of a pose is forgotten": (
+        {"parameters": ("return -x2 / x3, -x1 / x3", "return -x2, -x1")},
+        {"pose-parameters": 1},
+        "a pose is given up to a factor only",
     ),
     "a dyad's method is asked": (
         {
@@ -23,32 +54,76 @@ SLIPS = {
             "    return Dyad(hA, hB).coordinates(pose)"
         },
         {"pose-coordinates": 1, "pose-parameters": 1},
+        "Dyad.coordinates of kinlib is the answer itself",
     ),
-    "the sign of √−1 is dropped": (
-        {
-            "misfit": ("(s_A + 1j)", "(s_A - 1j)"),
-            "partner": ("(complex(s_A) + 1j)", "(complex(s_A) - 1j)"),
-        },
-        {"condition-of-a-pose": 1, "partner-of-z": 1, "poses-are-met": 1, "bad-places": 1, "closed-loop": 1},
+    "the sign of √−1 is wrong": (
+        {"misfit": ("(s_A + 1j)", "(s_A - 1j)")},
+        {"condition-of-a-pose": 1},
+        "the sign of √−1 is wrong: the factor is s_A + √−1",
     ),
-    "the visible test's value is returned": (
+    "the imaginary part is not taken": (
+        {"misfit": (".imag", "")},
+        {"condition-of-a-pose": 1},
+        "that is the whole product",
+    ),
+    "the sign of √−1 is wrong in the equations": (
+        {"partner": ("(complex(s_A) + 1j)", "(complex(s_A) - 1j)")},
+        {"partner-of-z": 1, "bad-places": 1, "closed-loop": 1},
+        "the sign of √−1 is wrong: the factor is s_A + √−1",
+    ),
+    "the unknowns are exchanged": (
+        {"partner": ("[number.imag, number.real]", "[number.real, number.imag]")},
+        {"partner-of-z": 1, "bad-places": 1, "closed-loop": 1},
+        "real and imaginary part are exchanged",
+    ),
+    "a sign in the equations is wrong": (
+        {"partner": ("[number.imag, number.real]", "[number.imag, -number.real]")},
+        {"partner-of-z": 1, "bad-places": 1, "closed-loop": 1},
+        "the imaginary part has the wrong sign",
+    ),
+    "ZPlane is asked": (
         {
-            "misfit": "def misfit(z1, z2, s):\n    return -10",
-            "partner": "def partner(z1, s1, s2):\n    return 2 + 0.75j",
+            "partner": "from kinlib import Dyad, ZPlane\n\n\ndef partner(z1, s1, s2):\n"
+            "    poses = [(s_A - hA) * (s_B - hB) for s_A, s_B in (s1, s2)]\n"
+            "    return ZPlane.of(Dyad(hA, hB), *poses).partner(z1)"
         },
-        {"condition-of-a-pose": 1, "partner-of-z": 1, "poses-are-met": 1, "bad-places": 1, "closed-loop": 1},
+        {"partner-of-z": 1, "bad-places": 1, "closed-loop": 1},
+        "ZPlane.of of kinlib is the answer itself",
+    ),
+    "x and y are exchanged": (
+        {"chain": ("hA * z1.imag + z1.real", "hA * z1.real + z1.imag")},
+        {"poses-are-met": 1, "closed-loop": 1},
+        "x1 is the real part of z1",
+    ),
+    "the second factor turns about B": (
+        {"chain": ("hA * z2.imag + z2.real", "hB * z2.imag + z2.real")},
+        {"poses-are-met": 1, "closed-loop": 1},
+        "it turns about A: hA, not hB",
     ),
     "the factors are in the wrong order": (
         {"chain": ("return (t - h1) * (t - h2) * (t - h3)", "return (t - h3) * (t - h2) * (t - h1)")},
         {"poses-are-met": 1},
+        "the factors are in the wrong order",
     ),
     "an absolute tolerance": (
         {"what_is_wrong": ("size = max(abs(b1 - b2), abs(b1 - star), abs(b2 - star))", "size = 1")},
         {"bad-places-any-size": 1},
+        "what counts as there must grow and shrink with the triangle",
     ),
     "the sides are exchanged": (
         {"what_is_wrong": ('return "misses pose 1"', 'return "misses pose 2"')},
         {"bad-places": 1, "bad-places-any-size": 1},
+        "the sides are exchanged",
+    ),
+    "z2 is not looked at": (
+        {"what_is_wrong": ("for z in (z1, partner(z1, s1, s2))", "for z in (z1,)")},
+        {"bad-places": 1},
+        "it is z2 that is ±√−1 there",
+    ),
+    "z* is not looked for": (
+        {"what_is_wrong": ('    if abs(z1 - star) < 1e-9 * size:\n        return "Bennett"\n', "")},
+        {"bad-places": 1, "bad-places-any-size": 1},
+        "look for z* first",
     ),
     "the second chain begins with A": (
         {
@@ -56,10 +131,22 @@ SLIPS = {
             "    return h1, middle, k3"
         },
         {"partner-chain": 1, "closed-loop": 1},
+        "k1 turns about A: bring the quadratic of hB to the front",
     ),
-    "the conjugate is forgotten": (
-        {"five_bar": ("second_chain(*first),", "[k.conjugate() for k in second_chain(*first)],")},
+    "the other second chain": (
+        {"second_chain": ("    middle, k3", "    h1, h2 = h2, h1\n    middle, k3")},
+        {"partner-chain": 1, "closed-loop": 1},
+        "the quadratics of h1 and h2 are in the wrong order",
+    ),
+    "the second chain is turned back by hand": (
+        {"five_bar": ("second_chain(*first),", "[k.conjugate() for k in second_chain(*first)[::-1]],")},
         {"closed-loop": 1},
+        "and turns the second one back by itself",
+    ),
+    "the stops are not told": (
+        {"five_bar": (", parameters=(math.inf, s1[1], s2[1])", "")},
+        {"closed-loop": 1},
+        "says where the poses are",
     ),
     "kinlib's own linkage": (
         {
@@ -73,21 +160,52 @@ def five_bar(z1, s1, s2, hA, hB):
 """
         },
         {"closed-loop": 1},
+        "goldberg_linkages of kinlib is the answer itself",
     ),
     "radians for degrees": (
-        {"dimensions": ("math.degrees(a.angle(b))", "float(a.angle(b))"), "travel": ("np.degrees(linkage", "(linkage")},
-        {"link-dimensions": 1, "joint-travel": 1},
+        {"dimensions": ("math.degrees(a.angle(b))", "float(a.angle(b))")},
+        {"link-dimensions": 1},
+        "the angles are in radians",
     ),
-    "links that move with their neighbours, and the end of a turn in place of its travel": (
-        {
-            "link_ends": ("act(moves[n], ", "act(moves[n - 1], "),
-            "travel": ("angles.max(axis=0) - angles.min(axis=0)", "abs(angles[-1] - angles[0])"),
-        },
-        {"ends-of-links": 1, "joint-travel": 1},
+    "links that are numbered by their first joint": (
+        {"dimensions": ("(axes[n - 1], axes[n])", "(axes[n], axes[(n + 1) % 5])")},
+        {"link-dimensions": 1},
+        "link 0 lies between the last joint and joint 0",
     ),
-    "a neighbour's z": ({"design": "z = 4 - 1j"}, DESIGN),
-    "a z that gives no linkage": ({"design": "z = 2.0"}, DESIGN),
-}
+    "links that move with their neighbours": (
+        {"link_ends": ("act(moves[n], ", "act(moves[n - 1], ")},
+        {"ends-of-links": 1},
+        "link n is carried along by displacement n, not by n − 1",
+    ),
+    "links that stay": (
+        {"link_ends": ("act(moves[n], common_perpendicular(axes[n - 1], axes[n]))",
+            "common_perpendicular(axes[n - 1], axes[n])")},
+        {"ends-of-links": 1},
+        "the links have not moved",
+    ),
+    "the ends of a link are exchanged": (
+        {"link_ends": ("common_perpendicular(axes[n - 1], axes[n])", "common_perpendicular(axes[n], axes[n - 1])")},
+        {"ends-of-links": 1},
+        "the two ends of each link are exchanged",
+    ),
+    "the end of a turn in place of its travel": (
+        {"travel": ("angles.max(axis=0) - angles.min(axis=0)", "abs(angles[-1] - angles[0])")},
+        {"joint-travel": 1},
+        "it swings to and fro, and its travel lies between",
+    ),
+    "half a round": (
+        {"travel": ("[[np.inf], t, [-np.inf]]", "[[np.inf], t[t > 0]]")},
+        {"joint-travel": 1},
+        "that is half of it",
+    ),
+    "travel in radians": (
+        {"travel": ("np.degrees(linkage", "(linkage")},
+        {"joint-travel": 1},
+        "that is in radians",
+    ),
+    "a neighbour's z": ({"design": "z = 4 - 1j"}, DESIGN, "but the room ends at"),
+    "a z that gives no linkage": ({"design": "z = 2.0"}, DESIGN, "gives no linkage through your poses"),
+}  # fmt: skip
 
 ANOTHER_WAY = {
     "coordinates": """
@@ -226,10 +344,9 @@ def test_numbers_are_well_conditioned():
 
 @pytest.mark.parametrize("z", [(Fraction(7, 5), Fraction(9, 4)), (-3, Fraction(1, 2))])
 def test_the_grader_agrees_with_the_package(z):
-    found = exercise.data("emmy")
-    s1, s2 = exercise.stops(found)
+    found, (s1, s2) = exercise.data("emmy"), exercise._stops("emmy")
     poses = [one, *((s_a - found.hA) * (s_b - found.hB) for s_a, s_b in (s1, s2))]
-    mine = exercise.linkage_for(found, complex(*map(float, z)))
+    mine = exercise._linkage("emmy", complex(*map(float, z)))
     theirs = [each for sign in (1, -1) for each in goldberg_linkages(*poses, (z[0], sign * z[1]))]
     theirs += [each for sign in (1, -1) for each in goldberg_linkages(*poses, (-z[0], sign * z[1]))]
     assert any(
@@ -241,13 +358,23 @@ def test_every_brief_can_be_met_and_few_choices_meet_it():
     shares, naive = [], []
     for n in range(40):
         student = f"student {n}"
-        found, asked = exercise.data(student), exercise.brief(student)
-        grid = exercise.candidates(*exercise.stops(found))
-        met = exercise.keeps(asked, exercise.measures(exercise.linkage_for(found, grid + 0.003), 90)).all(axis=0)
-        shares.append(met.mean())
-        naive.append(
-            exercise.keeps(asked, exercise.measures(exercise.linkage_for(found, [1.001 + 2j, -1 + 1.003j]))).all(axis=0)
-        )
+        asked, grid = exercise.brief(student), exercise._candidates(student) + 0.003
+        shares.append(met_by(asked, student, grid, 90).mean())
+        naive.append(met_by(asked, student, np.array([1.001 + 2j, -1 + 1.003j]), 720))
     assert min(shares) > 0.01
     assert np.median(shares) < 0.06
     assert np.mean(naive) < 0.1
+
+
+def met_by(asked, student: str, z: np.ndarray, steps: int) -> np.ndarray:
+    return exercise._keeps(asked, exercise._measures(exercise._linkage(student, z), steps)).all(axis=0)
+
+
+@pytest.mark.parametrize("student", ["ada", "emmy", "sophus"])
+def test_kinlib_finds_the_same_fault_at_each_bad_place(student):
+    plane, names = exercise._plane(student), {"misses pose 1": "MISSES_1", "misses pose 2": "MISSES_2"}
+    found = [(plane.fault(z), word) for z, word in exercise._bad_places(student)]
+    assert [
+        (fault, word) for fault, word in found if fault is None or fault.name != names.get(word, word.upper())
+    ] == []
+    assert [plane.fault(z) for z in exercise._some_z(student)] == [None] * 3
