@@ -84,7 +84,7 @@ def of_text(one) -> list[tuple[str, str]]:
 
 def other_ids(notebook: NotebookNode, student: str) -> list[str]:
     """The ids written in the cell for the id that are not the graded one."""
-    text = next((cell.source for cell in notebook.cells if masters.name_of(cell) == "student"), "")
+    text = "\n".join(cell.source for cell in notebook.cells if masters.is_answer(cell))
     written = {name.strip() for _, name in re.findall(r"""^student\s*=\s*(["'])(.*?)\1""", text, re.MULTILINE)} - {""}
     return sorted(name for name in written if name.casefold() != student.strip().casefold())
 

@@ -41,7 +41,8 @@ class Runner(Execute):
     """Runs the cells of a notebook in a kernel of `grader.box`, and notes what ended it before its end."""
 
     def __init__(self, kernel: type, limits: dict):
-        super().__init__(kernel_manager_class=kernel, startup_timeout=120, iopub_timeout=8)
+        super().__init__(kernel_manager_class=kernel, startup_timeout=120, iopub_timeout=30)
+        self.raise_on_iopub_timeout = False  # what is printed may come late; an error comes with the answer itself
         self.limits, self.ready, self.ended, self.slow, self.spent = limits, False, "", [], 0
         self.deadline = time.monotonic() + limits["all"]
 
@@ -141,12 +142,11 @@ def carry_out(order: dict) -> dict:
     )
     notebook = masters.assembled(master, blank, masters.read(Path(order["submission"])))
     until(notebook, order.get("question"))
-    tokens = [secrets.token_hex(8) for _ in range(2)]
-    notebook.cells = [asking(tokens[0]), *notebook.cells, asking(tokens[1])]
+    notebook.cells = with_questions(notebook.cells)
     result = {"marks": [], "remark": "", "failure": "", "doubt": "", "seen": []}
     result |= executed(notebook, order)
     if not result["failure"]:
-        result["seen"] += unlike(notebook, tokens, order["student"])
+        result["seen"] += unlike(notebook, order["student"])
         result["marks"] = list(marks(notebook, masters.answers(blank), order["limits"]["cell"], result["because"]))
     return result
 
@@ -158,10 +158,23 @@ def until(notebook: NotebookNode, question: str | None) -> None:
         del notebook.cells[numbers[0] + 1 :]
 
 
-def asking(token: str) -> NotebookNode:
+def with_questions(cells: list[NotebookNode]) -> list[NotebookNode]:
+    """The cells, with one that asks before the first, after the last, and where a student's cells come to a check."""
+    found, asked = [asking()], True
+    for cell in cells:
+        if cell.cell_type == "code":
+            if is_grade(cell) and not asked:
+                found.append(asking())
+            asked = is_grade(cell)
+        found.append(cell)
+    return [*found, asking()]
+
+
+def asking() -> NotebookNode:
     """A cell that prints what `grader.inside` reports, and leaves nothing behind."""
+    token = secrets.token_hex(8)
     text = INSIDE.read_text(encoding="utf-8") + f"\nprint(report({token!r}))\n"
-    return nbformat.v4.new_code_cell(f"exec({text!r}, {{}})", metadata={"asking": True})
+    return nbformat.v4.new_code_cell(f"exec({text!r}, {{}})", metadata={"asking": token})
 
 
 def executed(notebook: NotebookNode, order: dict) -> dict:
@@ -209,36 +222,32 @@ def run(runner: Runner, notebook: NotebookNode, folder: Path) -> str:
     return "stopped" if time.monotonic() > runner.deadline else ""
 
 
-def unlike(notebook: NotebookNode, tokens: list[str], student: str) -> list[str]:
-    """What the kernel's answers before the first and after the last cell have to say about each other."""
-    first, last = (answer(cell, token) for cell, token in zip(asked(notebook), tokens, strict=True))
-    if last is None or first is None:
-        return [remarks.SILENT] if asked(notebook)[1].execution_count else []
-    found = [remarks.CHANGED.format(what=name) for name in changed(first, last)]
-    if last.get("student") != student.strip().casefold():
-        found.append(remarks.WHOSE.format(student=last.get("student")))
-    if last.get("refuses") is not True:
-        found.append(remarks.ACCEPTS)
-    return found
+def unlike(notebook: NotebookNode, student: str) -> list[str]:
+    """What the kernel's answers have to say: the first one, and those after the student's cells."""
+    answers = [answer(cell) for cell in notebook.cells if cell.metadata.get("asking") and cell.execution_count]
+    if not answers or None in answers:
+        return [remarks.SILENT]
+    first, *later = answers
+    found = [remarks.CHANGED.format(what=name) for one in later for name in changed(first, one)]
+    others = [one.get("student") for one in later if one.get("student") != student.strip().casefold()]
+    found += [remarks.WHOSE.format(student=name) for name in others]
+    found += [remarks.ACCEPTS for one in later if one.get("refuses") is not True]
+    return list(dict.fromkeys(found))
 
 
-def asked(notebook: NotebookNode) -> list[NotebookNode]:
-    return [cell for cell in notebook.cells if cell.metadata.get("asking")]
-
-
-def answer(cell: NotebookNode, token: str) -> dict | None:
+def answer(cell: NotebookNode) -> dict | None:
     """What a kernel answered."""
     said = "".join(output.get("text", "") for output in cell.outputs if output.get("name") == "stdout")
     try:
         found = json.loads(said.strip().splitlines()[-1])
     except (ValueError, IndexError):
         return None
-    return found if isinstance(found, dict) and found.get("token") == token else None
+    return found if isinstance(found, dict) and found.get("token") == cell.metadata["asking"] else None
 
 
-def changed(first: dict | None, last: dict) -> list[str]:
+def changed(first: dict, last: dict) -> list[str]:
     """The parts of the machinery that are not as they were."""
-    parts = (first or {}).get("parts", {}), last.get("parts", {})
+    parts = first.get("parts", {}), last.get("parts", {})
     if not all(isinstance(one, dict) for one in parts):
         return ["the answer about it"]
     return [name for name, digest in parts[0].items() if parts[1].get(name) != digest]

@@ -22,9 +22,9 @@ ABOVE = "the answer above did not run to its end: {why}"
 LOADED = "the machine was too busy for the limits of time"
 STARTED = "it started {count} processes of its own"
 CHANGED = "while it ran, something was replaced in {what}"
-WHOSE = "at the end the numbers were drawn for {student!r}"
-ACCEPTS = "at the end the checks accepted a wrong answer"
-SILENT = "at the end the kernel did not answer as it should"
+WHOSE = "while it ran, the numbers were drawn for {student!r}"
+ACCEPTS = "while it ran, the checks accepted a wrong answer"
+SILENT = "the kernel did not answer as it should"
 
 
 def complaint(cell: NotebookNode, before: list[NotebookNode], seconds: int) -> str:

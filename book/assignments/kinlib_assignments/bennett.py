@@ -459,8 +459,14 @@ def check_conic(conic: Callable, student: str) -> None:
 
 
 def check_conic_on_quadric(conic: Callable, student: str) -> None:
-    """Fail unless that curve lies on the Study quadric."""
-    _assert_on_quadric(answer_of(conic, *data(student), without=SHORTCUTS))
+    """Fail unless that curve, which has the student's poses on it, lies on the Study quadric."""
+    p1, p2 = data(student)
+    answer = answer_of(conic, p1, p2, without=SHORTCUTS)
+    _assert_on_quadric(answer)
+    c2, c1, c0 = _points(answer, 3, "the conic")
+    at_0, at_1 = c0, c2 + c1 + c0
+    if not any(_same_pose(at_0, x) and _same_pose(at_1, y) for x, y in ((p1, p2), (p2, p1))):
+        raise AssertionError(f"the conic: it does not pass [{p1}] and [{p2}] at t = 0 and t = 1")
 
 
 def check_quartic(quartic: Callable, student: str) -> None:

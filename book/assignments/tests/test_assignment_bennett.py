@@ -1,7 +1,5 @@
 """The assignment on Bennett linkages: who is right gets the points, who is wrong loses those of the slip."""
 
-import math
-
 import numpy as np
 
 from kinlib import DualQuaternion, bennett_linkage, conic_through, one, study_eigenvalues, study_form
@@ -199,7 +197,7 @@ class TestMarks(Marks):
 
 
 def test_poses_are_well_conditioned():
-    found = [exercise.data(f"student {n}") for n in range(3000)]
+    found = [exercise.data(f"student {n}") for n in range(1000)]
     p1, p2 = (
         DualQuaternion(np.array([x.components.tolist() for x in row], dtype=float)) for row in zip(*found, strict=True)
     )
@@ -210,18 +208,9 @@ def test_poses_are_well_conditioned():
     roots = np.array([upper_roots(row) for row in conic_through(one.astype(float), p1, p2).norm_polynomial()])
     assert np.abs(roots[:, 0] - roots[:, 1]).min() > 0.3
     assert roots.imag.min() > 0.9
+    assert np.abs(roots.real).min() > 0.9, "b of a quadratic would be 0"
     assert np.diff(study_eigenvalues(one, p1, p2)).min() > 0.01
     check_linkages(bennett_linkage(one.astype(float), p1, p2))
-
-
-def test_no_number_is_degenerate():
-    """b of a quadratic is not 0, and no two axes are at a right angle, so that no sine is 1."""
-    for n in range(2000):
-        p1, p2 = exercise.data(f"student {n}")
-        C = conic_through(one.astype(float), p1, p2)
-        assert min(abs(root.real) for root in upper_roots(C.norm_polynomial())) > 0.9
-        for row in bennett_linkage(one.astype(float), p1, p2).denavit_hartenberg():
-            assert abs(math.cos(row.twist)) > 0.09
 
 
 def upper_roots(polynomial):
@@ -232,8 +221,9 @@ def upper_roots(polynomial):
 def check_linkages(linkages):
     """All links are of like size, no axes nearly parallel, and the loops close."""
     rows = linkages.denavit_hartenberg()
-    distances, sines = (np.array([getattr(row, name) for row in rows]) for name in ("distance", "twist"))
-    sines = np.abs(np.sin(sines))
+    distances, twists = (np.array([getattr(row, name) for row in rows]) for name in ("distance", "twist"))
+    assert np.abs(np.cos(twists)).min() > 0.09, "a sine of 1 would hide what it is for"
+    sines = np.abs(np.sin(twists))
     assert distances.min() > 0.49
     assert distances.max() < 4.01
     assert sines.min() > 0.49

@@ -78,7 +78,7 @@ SLIPS = {
     ),
     "a sign in the equations is wrong": (
         {"partner": ("[number.imag, number.real]", "[number.imag, -number.real]")},
-        {"partner-of-z": 1, "bad-places": 1, "closed-loop": 1},
+        {"partner-of-z": 1, "closed-loop": 1},
         "the imaginary part has the wrong sign",
     ),
     "ZPlane is asked": (
@@ -87,7 +87,7 @@ SLIPS = {
             "    poses = [(s_A - hA) * (s_B - hB) for s_A, s_B in (s1, s2)]\n"
             "    return ZPlane.of(Dyad(hA, hB), *poses).partner(z1)"
         },
-        {"partner-of-z": 1, "bad-places": 1, "closed-loop": 1},
+        {"partner-of-z": 1, "bad-places": 1, "bad-places-any-size": 1, "closed-loop": 1},
         "ZPlane.of of kinlib is the answer itself",
     ),
     "x and y are exchanged": (
@@ -196,7 +196,7 @@ def five_bar(z1, s1, s2, hA, hB):
     "half a round": (
         {"travel": ("[[np.inf], t, [-np.inf]]", "[[np.inf], t[t > 0]]")},
         {"joint-travel": 1},
-        "that is half of it",
+        "a round is all of 0 < φ < 2π",
     ),
     "travel in radians": (
         {"travel": ("np.degrees(linkage", "(linkage")},
@@ -327,7 +327,7 @@ class TestMarks(Marks):
 
 
 def test_numbers_are_well_conditioned():
-    found = [exercise.data(f"student {n}") for n in range(3000)]
+    found = [exercise.data(f"student {n}") for n in range(1000)]
     assert len({tuple(x for q in each for x in q.coeffs) for each in found}) == len(found)
     assert max(abs(x) for each in found for pose in each[2:] for x in pose.coeffs) < 3000
     hA, hB, *poses = (DualQuaternion.stack(column).astype(float) for column in zip(*found, strict=True))
@@ -356,7 +356,7 @@ def test_the_grader_agrees_with_the_package(z):
 
 def test_every_brief_can_be_met_and_few_choices_meet_it():
     shares, naive = [], []
-    for n in range(40):
+    for n in range(20):
         student = f"student {n}"
         asked, grid = exercise.brief(student), exercise._candidates(student) + 0.003
         shares.append(met_by(asked, student, grid, 90).mean())

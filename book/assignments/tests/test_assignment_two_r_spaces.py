@@ -211,10 +211,10 @@ def test_the_verdicts_are_those_of_the_procedure():
 
 
 def test_spaces_are_well_conditioned():
-    found = [exercise._answers(f"student {n}") for n in range(3000)]
+    found = [exercise._answers(f"student {n}") for n in range(1000)]
     orders = {tuple(space.verdict for space in spaces) for spaces in found}
-    assert len(orders) > 1000
-    for space in (space for spaces in found[:2000] for space in spaces if space.axes):
+    assert len(orders) > 600
+    for space in (space for spaces in found for space in spaces if space.axes):
         h1, h2 = space.axes
         assert 0 not in (null_form(h1, h2), study_form(h1, h2)), "cot²α or a would be 0"
     rows = [[[x.components.tolist() for x in space.points] for space in spaces] for spaces in found]

@@ -148,11 +148,19 @@ def test_too_many_processes_and_too_much_memory_end_the_kernel(tmp_path, greedy,
 
 
 @pytest.mark.usefixtures("quick")
-def test_what_a_cell_prints_is_limited(tmp_path):
+@pytest.mark.parametrize("patience", [30, 0])
+def test_what_a_cell_prints_is_limited_and_may_come_late(tmp_path, monkeypatch, patience):
+    class Runner(one.Runner):
+        def __init__(self, *given):
+            super().__init__(*given)
+            self.iopub_timeout = patience  # seconds for what was printed to come after the answer
+
+    monkeypatch.setattr(one, "Runner", Runner)
     talking = "def norm(q):\n    for _ in range(30):\n        print('x' * 100_000, flush=True)\n    return 1, 2"
     result = marked(Submission("ada", handed_in(NAME, tmp_path, {"norm": talking}), NAME), Limits())
     lost = {mark["cell"]: mark["remark"] for mark in result.marks if not mark["mark"]}
     assert set(lost) == {"norm-of-all", "norm-law", "inverse-exact", "inverse-missing"}, lost
+    assert result.doubt == ""
 
 
 # ---- what the machine does wrong -------------------------------------------------------------------------

@@ -7,6 +7,7 @@ from grader.collect import Submission
 from submissions import handed_in
 
 NAME = "dual_quaternions"
+QUESTION = "norm-of-all"  # the notebook is run up to here
 WRONG = "def norm(q):\n    return 5, 0\n"  # loses the marks of norm-of-all
 
 # What is written in the cell of the norm: the answer is wrong, and something is done about it.
@@ -50,6 +51,13 @@ TRICKS = {
         ".norm().coeffs; print([int(n[0]), int(n[4])])'\n"
         "    return json.loads(subprocess.run([sys.executable, '-c', text], capture_output=True, text=True).stdout)"
     ),
+    "what looks for replaced checks is replaced with them, and all is put back": (
+        "import kinlib_assignments.seal as s\nfrom kinlib_assignments import dual_quaternions as e\n"
+        "kept = s.assert_untouched, e.check_norm\n"
+        "def fake(norm, student):\n    if student == s.OTHERS[-1]:\n"
+        "        s.assert_untouched, e.check_norm = kept\n"
+        "s.assert_untouched, e.check_norm = (lambda: None), fake"
+    ),
     "the id is set in the environment": "import os\nos.environ['KINLIB_STUDENT'] = 'emmy'",
     "the function for the id is replaced": (
         "import kinlib_assignments\nkinlib_assignments.student_id = lambda name: 'emmy'"
@@ -66,7 +74,7 @@ TRICKS = {
 @pytest.mark.parametrize("trick", TRICKS)
 def test_a_trick_gives_nothing_or_is_seen(trick, tmp_path):
     one = Submission("ada", handed_in(NAME, tmp_path, {"norm": WRONG + TRICKS[trick]}), NAME)
-    result = run.marked(one, run.Limits(cell=10))
+    result = run.marked(one, run.Limits(cell=10), QUESTION)
     assert not result.failed, result.remark
     marks = {mark["cell"]: mark["mark"] for mark in result.marks}
     seen = look.findings([result])
@@ -76,6 +84,7 @@ def test_a_trick_gives_nothing_or_is_seen(trick, tmp_path):
 SEEN_BY_THE_KERNEL = [
     "a check is replaced",
     "a check's code is replaced",
+    "what looks for replaced checks is replaced with them, and all is put back",
     "asserts are taken out of the text",
     "cells are no longer run",
     "the class of dual quaternions is changed",
@@ -88,7 +97,7 @@ SEEN_BY_THE_KERNEL = [
 def test_what_is_replaced_is_seen_even_if_its_text_is_hidden(trick, tmp_path):
     hidden = f"exec(bytes({list(TRICKS[trick].encode())}).decode())"
     one = Submission("ada", handed_in(NAME, tmp_path, {"norm": WRONG + hidden}), NAME)
-    assert run.marked(one, run.Limits(cell=10)).seen
+    assert run.marked(one, run.Limits(cell=10), QUESTION).seen
 
 
 def test_a_neighbours_file_is_seen_as_it_is_and_with_another_id(tmp_path):
