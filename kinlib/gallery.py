@@ -9,7 +9,10 @@ __all__ = [
     "FIELD_OF_DEGREE_SIX",
     "FOUR_POSES",
     "LINEAR_TERMS_EQUAL",
+    "LINE_SYMMETRIC",
     "PARALLELOGRAM",
+    "PLACES_OF_JOINTS",
+    "PLANE_FOLD",
     "POSES_OF_BRUNNTHALER",
     "THREE_POSES",
     "THREE_ROTATIONS",
@@ -76,3 +79,35 @@ THREE_ROTATIONS = (
 )
 """The factors of a cubic motion with the quadratics t² + 1, (t − 1)² + 16/25 and (t − 2)² + 25/36: the first chain of a
 6R linkage in the examples of rational-linkages, with the other sign of ε.  All six factorizations are rational."""
+
+PLACES_OF_JOINTS = (
+    (-0.7253381201896022, -0.798226343812831),
+    (0.5585449951, 0.4856567714),
+    (0.7179258750000003, 0.6450376515000003),
+    (-0.005146554812791664, 0.06774166896361282),
+    (-0.4623861596254876, -0.3894979362433264),
+    (0.8426450346840884, 0.9155332583073172),
+)
+"""Where the joints of an angle-symmetric 6R sit, so that its links do not collide, from the model ``collisions_free_6r``
+of rational-linkages (Huczala et al. 2024).  The first chain of the linkage is `THREE_ROTATIONS`, the second the
+factorization in reversed order; the joints are in loop order.  Of each joint this is where it begins and where it ends,
+in lengths along the direction of its axis, from the foot of the origin."""
+
+PLANE_FOLD = (
+    DualQuaternion([0, 1, 0, 0, 0, 0, 0, 0]),
+    DualQuaternion([0, 0, 3, 0, 0, 0, 0, -1]),
+    DualQuaternion([0, 1, 1, 0, 0, 0, 0, 2]),
+)
+"""The factors of a cubic motion whose 6R linkages fold into a plane at t = ∞, from the model ``plane_fold_6r`` of
+rational-linkages, with the other sign of ε.  All six factorizations are rational."""
+
+LINE_SYMMETRIC = (
+    DualQuaternion([0, 1, 0, 0, 0, 0, 0, -1]),
+    DualQuaternion([0, 0, 1, 0, 0, -1, 0, -1]),
+    DualQuaternion([0, 0, 0, 1, 0, -1, -1, 0]),
+    DualQuaternion([0, 1, 0, 0, 0, 0, 0, 1]),
+    DualQuaternion([0, 0, -1, 0, 0, -1, 0, 1]),
+    DualQuaternion([0, 0, 0, -1, 0, -1, 1, 0]),
+)
+"""The axes of a 6R linkage of Bricard's line-symmetric kind, from the examples of rational-linkages, with the other
+sign of ε: the rows of links n and n + 3 are equal.  It moves, but not by linear factors."""

@@ -9,7 +9,10 @@ import numpy as np
 import pytest
 
 from kinlib import (
+    Chain,
+    DegenerateError,
     DualQuaternion,
+    Line,
     Linkage,
     MotionPolynomial,
     bennett_linkage,
@@ -30,7 +33,10 @@ from kinlib import (
 
 TRIPLES = ["THREE_POSES", "LINEAR_TERMS_EQUAL", "FIELD_OF_DEGREE_SIX"]
 POSES = [*TRIPLES, "FOUR_POSES"]
-OF_THE_LITERATURE = ["POSES_OF_BRUNNTHALER", "BENNETT_OF_HEGEDUS", "PARALLELOGRAM", "THREE_ROTATIONS"]
+OF_THE_LITERATURE = [
+    "POSES_OF_BRUNNTHALER", "BENNETT_OF_HEGEDUS", "PARALLELOGRAM", "THREE_ROTATIONS",
+    "PLACES_OF_JOINTS", "PLANE_FOLD", "LINE_SYMMETRIC",
+]  # fmt: skip
 
 
 def test_every_example_is_tested_here():
@@ -162,3 +168,39 @@ def test_the_three_rotations_give_rational_6r_of_both_kinds():
         found = Linkage.from_axes(loop.axes)
         assert found.closure_residual() == 0
         assert found.joints == (1,) * 6
+
+
+def angle_symmetric(first):
+    chains = factorizations(MotionPolynomial.from_factors(first))
+    loops = [Linkage.from_chains(first, chain) for chain in chains]
+    return next(loop for loop in loops if [bond.joints for bond in loop.bonds()] == [(0, 3), (1, 4), (2, 5)])
+
+
+def test_joints_in_the_published_places_make_links_that_do_not_collide():
+    """Link n goes along joint n, then to where joint n + 1 begins; the second chain is run backwards."""
+    linkage = angle_symmetric(gallery.THREE_ROTATIONS).astype(float)
+    lines = [Line.from_dual_quaternion(h) for h in linkage.axes]
+    lines = lines[:3] + [Line.from_dual_quaternion(-h) for h in linkage.axes[3:]]
+    ends = [[line.foot([0, 0, 0]) + s * line.direction for s in places]
+            for line, places in zip(lines, gallery.PLACES_OF_JOINTS, strict=True)]  # fmt: skip
+    ends = [pair if n < 3 else pair[::-1] for n, pair in enumerate(ends)]
+    bent = np.array([[*ends[n - 1], ends[n][0]] for n in range(6)])
+    assert linkage.collisions(bars=bent).count == 0
+    assert linkage.clearance(bars=bent) == pytest.approx(0.0389, abs=1e-4)
+
+
+def test_a_6r_folds_into_a_plane():
+    linkage = angle_symmetric(gallery.PLANE_FOLD)
+    assert all(h.coeffs[3] == h.coeffs[5] == h.coeffs[6] == 0 for h in linkage.axes)
+    assert linkage.closure_residual() == 0
+    assert linkage.mobility() == 1
+    with pytest.raises(DegenerateError, match="flat or singular"):
+        Linkage.from_axes(linkage.axes)
+    assert Linkage.from_axes(linkage.at(1)).closure_residual() == 0
+
+
+def test_the_line_symmetric_linkage_has_equal_opposite_links_and_another_motion():
+    rows = Chain(gallery.LINE_SYMMETRIC).denavit_hartenberg()
+    assert np.allclose(rows[:3], rows[3:])
+    with pytest.raises(DegenerateError, match="is mobile, but its motion is not of this kind"):
+        Linkage.from_axes(gallery.LINE_SYMMETRIC)
