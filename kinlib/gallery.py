@@ -11,7 +11,8 @@ __all__ = [
     "LINEAR_TERMS_EQUAL",
     "LINE_SYMMETRIC",
     "PARALLELOGRAM",
-    "PLACES_OF_JOINTS",
+    "PLACES_OF_4R",
+    "PLACES_OF_6R",
     "PLANE_FOLD",
     "POSES_OF_BRUNNTHALER",
     "THREE_POSES",
@@ -80,18 +81,26 @@ THREE_ROTATIONS = (
 """The factors of a cubic motion with the quadratics t² + 1, (t − 1)² + 16/25 and (t − 2)² + 25/36: the first chain of a
 6R linkage in the examples of rational-linkages, with the other sign of ε.  All six factorizations are rational."""
 
-PLACES_OF_JOINTS = (
+PLACES_OF_4R = (
+    (0.0, 0.10620997505219355),
+    (-0.09011417691125816, -0.19593427743198108),
+    (-0.3373433587725879, -0.1674742402625168),
+    (0.08175995620634387, 0.0),
+)
+"""Where the joints of the Bennett linkage through the third, first and second of `POSES_OF_BRUNNTHALER` sit, so that its
+links do not collide, from the model ``bennett_ark24`` of rational-linkages (Huczala et al. 2024), which was printed.  In
+loop order, where each joint begins and where it ends: lengths along its axis, from the foot of the origin."""
+
+PLACES_OF_6R = (
     (-0.7253381201896022, -0.798226343812831),
     (0.5585449951, 0.4856567714),
     (0.7179258750000003, 0.6450376515000003),
-    (-0.005146554812791664, 0.06774166896361282),
-    (-0.4623861596254876, -0.3894979362433264),
-    (0.8426450346840884, 0.9155332583073172),
+    (-0.06774166896361282, 0.005146554812791664),
+    (0.3894979362433264, 0.4623861596254876),
+    (-0.9155332583073172, -0.8426450346840884),
 )
-"""Where the joints of an angle-symmetric 6R sit, so that its links do not collide, from the model ``collisions_free_6r``
-of rational-linkages (Huczala et al. 2024).  The first chain of the linkage is `THREE_ROTATIONS`, the second the
-factorization in reversed order; the joints are in loop order.  Of each joint this is where it begins and where it ends,
-in lengths along the direction of its axis, from the foot of the origin."""
+"""The same for the angle-symmetric 6R whose first chain is `THREE_ROTATIONS`, and the second one the factorization in
+reversed order, from the model ``collisions_free_6r``."""
 
 PLANE_FOLD = (
     DualQuaternion([0, 1, 0, 0, 0, 0, 0, 0]),

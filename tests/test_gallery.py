@@ -35,7 +35,7 @@ TRIPLES = ["THREE_POSES", "LINEAR_TERMS_EQUAL", "FIELD_OF_DEGREE_SIX"]
 POSES = [*TRIPLES, "FOUR_POSES"]
 OF_THE_LITERATURE = [
     "POSES_OF_BRUNNTHALER", "BENNETT_OF_HEGEDUS", "PARALLELOGRAM", "THREE_ROTATIONS",
-    "PLACES_OF_JOINTS", "PLANE_FOLD", "LINE_SYMMETRIC",
+    "PLACES_OF_4R", "PLACES_OF_6R", "PLANE_FOLD", "LINE_SYMMETRIC",
 ]  # fmt: skip
 
 
@@ -176,17 +176,24 @@ def angle_symmetric(first):
     return next(loop for loop in loops if [bond.joints for bond in loop.bonds()] == [(0, 3), (1, 4), (2, 5)])
 
 
-def test_joints_in_the_published_places_make_links_that_do_not_collide():
-    """Link n goes along joint n, then to where joint n + 1 begins; the second chain is run backwards."""
-    linkage = angle_symmetric(gallery.THREE_ROTATIONS).astype(float)
-    lines = [Line.from_dual_quaternion(h) for h in linkage.axes]
-    lines = lines[:3] + [Line.from_dual_quaternion(-h) for h in linkage.axes[3:]]
-    ends = [[line.foot([0, 0, 0]) + s * line.direction for s in places]
-            for line, places in zip(lines, gallery.PLACES_OF_JOINTS, strict=True)]  # fmt: skip
-    ends = [pair if n < 3 else pair[::-1] for n, pair in enumerate(ends)]
-    bent = np.array([[*ends[n - 1], ends[n][0]] for n in range(6)])
+@pytest.mark.parametrize(
+    ("linkage", "places", "clearance"),
+    [
+        (bennett_linkage(*(gallery.POSES_OF_BRUNNTHALER[n] for n in (2, 0, 1))), gallery.PLACES_OF_4R, 0.1071),
+        (angle_symmetric(gallery.THREE_ROTATIONS), gallery.PLACES_OF_6R, 0.0389),
+    ],
+    ids=["4R", "6R"],
+)
+def test_joints_in_the_published_places_make_links_that_do_not_collide(linkage, places, clearance):
+    """A link goes along the joint before it, and to where the next joint begins."""
+    ends = np.array([line.foot([0, 0, 0]) + np.multiply.outer(place, line.direction)
+                     for line, place in zip(map(Line.from_dual_quaternion, linkage.astype(float).axes), places,
+                                            strict=True)])  # fmt: skip
+    bent = np.concatenate([np.roll(ends, 1, axis=0), ends[:, :1]], axis=1)
+    linkage = linkage.astype(float)
+    assert linkage.clearance() == 0
     assert linkage.collisions(bars=bent).count == 0
-    assert linkage.clearance(bars=bent) == pytest.approx(0.0389, abs=1e-4)
+    assert linkage.clearance(bars=bent) == pytest.approx(clearance, abs=1e-4)
 
 
 def test_a_6r_folds_into_a_plane():
