@@ -7,12 +7,13 @@ from functools import cached_property
 
 import numpy as np
 
+from kinlib.collision import checked_bars
 from kinlib.displacement import act
 from kinlib.dual_quaternion import DualQuaternion
 from kinlib.linkage import Linkage
 from kinlib.pictures.floats import one_linkage
 from kinlib.scalar import as_float
-from kinlib.typing import ArrayLike
+from kinlib.typing import Array, ArrayLike
 
 __all__ = ["Bars", "common_feet", "lines_of"]
 
@@ -25,14 +26,23 @@ class Bars:
     ----------
     linkage : Linkage
         With floats for its numbers, see `Bars.of`.
+    given : array, shape (n, 2, 3), optional
+        The ends of the bars at home, on the axes; those of the common perpendiculars if not given.
     """
 
     linkage: Linkage
+    given: Array | None = None
 
     @classmethod
-    def of(cls, linkage: Linkage, name: str = "the linkage") -> Bars:
+    def of(cls, linkage: Linkage, name: str = "the linkage", given: ArrayLike | None = None) -> Bars:
         """The bars of a single linkage with any numbers; errors call it by the name."""
-        return cls(one_linkage(linkage, name))
+        linkage = one_linkage(linkage, name)
+        if given is None:
+            return cls(linkage)
+        points = as_float(checked_bars(given, linkage.chain.lines))
+        if points.shape != (linkage.joint_count, 2, 3):
+            raise ValueError(f"expected straight bars of one linkage, shape (n, 2, 3), got {points.shape}")
+        return cls(linkage, points)
 
     @cached_property
     def lines(self) -> tuple[np.ndarray, np.ndarray]:
@@ -47,7 +57,7 @@ class Bars:
     @property
     def ends(self) -> np.ndarray:
         """The two ends of every link at home, on the axes that it joins; shape (n, 2, 3), link 0 first."""
-        return self.linkage.bars()
+        return self.linkage.bars() if self.given is None else self.given
 
     @cached_property
     def size(self) -> float:

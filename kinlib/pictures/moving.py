@@ -20,7 +20,7 @@ from kinlib.pictures.scene import Scene, SceneGrid
 from kinlib.pictures.turn import one_turn, parameters_of
 from kinlib.poses import as_pose
 from kinlib.scalar import as_float
-from kinlib.typing import PointLike, PoseLike
+from kinlib.typing import ArrayLike, PointLike, PoseLike
 
 __all__ = ["dyad_scene", "linkage_scene", "linkages_side_by_side"]
 
@@ -34,6 +34,7 @@ def linkage_scene(
     parameters: Sequence[float] | None = None,
     places: Sequence[int] | None = None,
     names: Sequence[str] | None = None,
+    bars: ArrayLike | None = None,
     frames: int = 90,
     **options: Any,
 ) -> Scene:
@@ -57,6 +58,8 @@ def linkage_scene(
         At which frames the poses are reached; as an even pace has it if not given.
     names : sequence of str, optional
         What the poses are called; p₀, p₁, … if not given.
+    bars : array_like, shape (n, 2, 3), optional
+        The ends of the bars at home, on the axes; those of the common perpendiculars if not given.
     frames : int
         How many positions are recorded, one of them at each pose.
     **options
@@ -69,20 +72,20 @@ def linkage_scene(
     Raises
     ------
     ValueError
-        If the coupler does not visit one of the poses.
+        If the coupler does not visit one of the poses, or an end of a bar is off its axis.
     """
-    bars = Bars.of(linkage)
-    linkage = bars.linkage
-    stops = parameters_of(bars, poses) if parameters is None else parameters
-    t, reached = one_turn(bars, frames, stops, places)
+    drawn = Bars.of(linkage, given=bars)
+    linkage = drawn.linkage
+    stops = parameters_of(drawn, poses) if parameters is None else parameters
+    t, reached = one_turn(drawn, frames, stops, places)
     path = as_float(act(linkage.coupler_motion(t), point))
-    unit = max(bars.size, np.ptp(path, axis=0).max() / 2)
+    unit = max(drawn.size, np.ptp(path, axis=0).max() / 2)
     start = as_float(act(linkage.home, point))
     moves = linkage.link_displacements(t)
     return Scene(
         parts=[
-            *linkage_parts(bars, unit),
-            *coupler_parts(bars, start, unit),
+            *linkage_parts(drawn, unit),
+            *coupler_parts(drawn, start, unit),
             Frame(linkage.home, 0.24 * unit, body=body_of(linkage.coupler)),
             Curve(path, COUPLER, 0.012 * unit, closed=True),
             *_reached(poses, reached, unit, names),
