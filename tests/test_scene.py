@@ -210,6 +210,21 @@ def test_bars_lie_along_common_perpendiculars(linkages):
         np.testing.assert_allclose(np.roll(lengths, -1), [row.distance for row in rows], atol=1e-9)
 
 
+def test_bars_may_be_drawn_in_other_places(linkages):
+    linkage = linkages[0].astype(float)
+    places = linkage.bars()[:, 1] + 0.2 * linkage.chain.lines.directions
+    given = np.stack([np.roll(places, 1, axis=0), places], axis=1)
+    scene = linkage_scene(linkage, bars=given, alt=ALT)
+    rods = [part for part in scene.parts if isinstance(part, Rod)]
+    ends = np.array([[rod.start, rod.end] for rod in rods])
+    apart = np.linalg.norm(ends[:, None] - given, axis=-1).max(axis=-1).min(axis=0)
+    assert np.all(apart < 0.1 * Bars.of(linkage).size)
+    with pytest.raises(ValueError, match="on axis 5"):
+        linkage_scene(linkage, bars=given + [0, 1, 0], alt=ALT)
+    with pytest.raises(ValueError, match="straight bars"):
+        linkage_scene(linkage, bars=np.concatenate([given, given[:, 1:]], axis=1), alt=ALT)
+
+
 def test_bars_keep_near_when_common_perpendiculars_run_away():
     linkage = kl.six_r_linkages(*random_poses(4, seed=23), 1.0)[9]
     assert max(abs(row.offset) for row in linkage.denavit_hartenberg()) > 10
