@@ -83,6 +83,7 @@ ORDER = [
     "pictures.draw",
     "pictures.joint_angles",
     "pictures.recording",
+    "pictures.still",
     "pictures.page",
     "pictures.scene",
     "pictures.moving",

@@ -5,8 +5,9 @@ from __future__ import annotations
 from kinlib.linkage import Linkage
 
 __all__ = [
-    "BASE", "BLUE", "COUPLER", "GLOW", "GREEN", "GREY", "INK", "LINKS", "ORANGE", "PIN", "PURPLE", "SILVER", "SKY",
-    "VERMILION", "X_AXIS", "YELLOW", "Y_AXIS", "Z_AXIS", "link_colours", "link_names",
+    "BASE", "BLUE", "COUPLER", "GLOW", "GREEN", "GREY", "INK", "LIME", "LINKS", "ORANGE", "PIN", "PURPLE",
+    "RASPBERRY", "SILVER", "SKY", "VERMILION", "VIOLET", "X_AXIS", "YELLOW", "Y_AXIS", "Z_AXIS", "link_colours",
+    "link_names",
 ]  # fmt: skip
 
 # Okabe & Ito's colours: told apart by colour-blind readers, and seen on white as on black.
@@ -40,9 +41,19 @@ SILVER = "#aab2bd"
 INK = "#7a7a7a"
 """The grey of letters and lines, seen on light pages and on dark ones."""
 
+# Frames' axes have colours that no link has.
+RASPBERRY = "#d81b60"
+"""The colour of x-axes."""
+
+LIME = "#84b718"
+"""The colour of y-axes."""
+
+VIOLET = "#7c4dff"
+"""The colour of z-axes."""
+
 BASE, COUPLER, PIN = GREY, VERMILION, SILVER
 LINKS = (BLUE, ORANGE, GREEN, PURPLE, SKY)
-X_AXIS, Y_AXIS, Z_AXIS = "#e5484d", "#3aa655", "#4a72f5"
+X_AXIS, Y_AXIS, Z_AXIS = RASPBERRY, LIME, VIOLET
 GLOW = "#ffc531"  # the light about a pose that is reached
 
 

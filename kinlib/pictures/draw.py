@@ -87,7 +87,7 @@ def _draw_parts(parts: Sequence[Rod | Ball], ax: Axes3D, opacity: float) -> Axes
 def draw_frames(
     poses: Sequence[PoseLike], ax: Axes3D, *, size: float | None = None, names: Sequence[str] = ()
 ) -> Axes3D:
-    """Draw poses as coordinate frames: x red, y green, z blue.
+    """Draw poses as coordinate frames: x raspberry, y lime, z violet.
 
     Parameters
     ----------

@@ -31,10 +31,10 @@ def draw_joint_angles(linkage: Linkage, ax: Axes, *, samples: int = 400) -> Axes
         for place, joint in enumerate(group):
             gaps = (place * 5, (5, 5 * (len(group) - 1))) if len(group) > 1 else "-"
             ax.plot(share, angles[joint], color=colours[joint], linewidth=2.2, linestyle=gaps)
-    for group, (sample, above) in zip(_alike(angles), _clear_places(angles), strict=True):
+    for group, (sample, height, above) in zip(_alike(angles), _clear_places(angles), strict=True):
         name = ("joints " if len(group) > 1 else "joint ") + ", ".join(str(joint + 1) for joint in group)
         ax.annotate(
-            name, (share[sample], angles[group[0], sample]), xytext=(0, 7 if above else -7),
+            name, (share[sample], height), xytext=(0, 5 if above else -5),
             textcoords="offset points", ha="center", va="bottom" if above else "top", color=colours[group[0]],
         )  # fmt: skip
     ax.set(xlabel="share of one turn in %", ylabel="joint angle in degrees", xlim=(0, 100))
@@ -51,18 +51,29 @@ def _alike(angles: np.ndarray) -> list[list[int]]:
     return groups
 
 
-def _clear_places(angles: np.ndarray) -> list[tuple[int, bool]]:
-    """For every group of joints where its name has most room: a sample, and whether above the curve."""
+def _clear_places(angles: np.ndarray) -> list[tuple[int, float, bool]]:
+    """For every group of joints where its name has most room: a sample, a height, and whether above it.
+
+    A name is above or below all of its own curve, as far as it is wide; other curves and names keep away.
+    """
     curves = angles[[group[0] for group in _alike(angles)]]
-    width = angles.shape[1] // 8
-    starts = np.arange(width // 2, angles.shape[1] - 2 * width)
-    places = []
+    width = angles.shape[1] // 6
+    places: list[tuple[int, float, bool]] = []
     for number, curve in enumerate(curves):
-        rise = np.delete(curves, number, axis=0) - curve
-        room = []
-        for side in (rise, -rise):
-            ahead = np.where(side > 0, side, np.where(side < 0, 180, 0)).min(axis=0, initial=180)
-            room.append([ahead[start : start + width].min() for start in starts])
-        best = np.unravel_index(np.argmax(room), np.shape(room))
-        places.append((int(starts[best[1]] + width // 2), best[0] == 0))
+        others = np.delete(curves, number, axis=0)
+        choices = []
+        for start in range(width // 8, angles.shape[1] - width, 4):
+            own, middle = curve[start : start + width], start + width // 2
+            names = [angles.min() - 10, *(height for sample, height, _ in places if abs(sample - middle) < 1.2 * width)]
+            for sign, height in ((1, own.max()), (-1, own.min())):
+                room = _room(np.append(others[:, start : start + width], names), height, sign)
+                choices.append((room - np.ptp(own) / 2, middle, float(height), sign > 0))
+        places.append(max(choices)[1:])
     return places
+
+
+def _room(obstacles: np.ndarray, height: float, sign: int) -> float:
+    """How far obstacles keep from a height on one side of it, at most a quarter of a turn; less near the frame."""
+    ahead = sign * (obstacles - height)
+    free = float(np.where(ahead >= 0, ahead, 90).min(initial=90))
+    return min(free, 45) if height > -30 and sign > 0 else free

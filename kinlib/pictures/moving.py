@@ -206,7 +206,7 @@ def dyad_scene(
     return Scene(
         parts=[
             *_arm(*lines, home, start, unit),
-            Surface(surface, COUPLER, opacity=0.13),
+            Surface(surface, COUPLER, opacity=0.2),
             *_reached(poses, places, unit),
             *([] if poses else [Curve(surface[:-1, 0], LINKS[0], closed=True)]),
             *([] if poses else [Curve(surface[0, :-1], COUPLER, closed=True)]),
@@ -259,7 +259,7 @@ def _rotations(h: DualQuaternion, angles: np.ndarray) -> DualQuaternion:
     return DualQuaternion(cosine[..., None] * one.coeffs + sine[..., None] * h.coeffs)
 
 
-def _swept_surface(h1: DualQuaternion, h2: DualQuaternion, point: np.ndarray, steps: int = 25) -> np.ndarray:
+def _swept_surface(h1: DualQuaternion, h2: DualQuaternion, point: np.ndarray, steps: int = 31) -> np.ndarray:
     """All places of a point, shape (steps, steps, 3): the first angle grows with the rows."""
     angles = np.linspace(0, 2 * np.pi, steps)
     return act(_rotations(h1, angles)[:, None] * _rotations(h2, angles)[None, :], point)
@@ -280,6 +280,6 @@ def _arm(
         pin(post, near, "", unit),
         pin(far, hand, "link", unit),
         Frame(home, 0.24 * unit, body="hand"),
-        Label("h₁", feet[0]),
-        Label("h₂", feet[1], "link"),
+        Label("h₁", post.foot - 0.66 * unit * directions[0]),
+        Label("h₂", hand.sleeve[1] + 1.6 * (hand.sleeve[1] - hand.sleeve[0]), "link"),
     ]

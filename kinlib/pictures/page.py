@@ -10,10 +10,12 @@ import html
 import json
 import os
 from pathlib import Path
+from urllib.parse import quote
 
 import meshcat
 
 from kinlib.pictures.shapes import Table
+from kinlib.pictures.still import still_of
 
 __all__ = ["page_of", "shown", "static_files"]
 
@@ -52,13 +54,21 @@ def _shares_the_viewer() -> bool:
     return asked == "shared" if asked else "JPY_SESSION_NAME" not in os.environ
 
 
-def shown(recording: Table, height: str) -> str:
-    """The HTML that shows a scene inside another page, at a height in units of CSS."""
+def shown(recording: Table, height: str, pictured: Table | None = None) -> str:
+    """The HTML that shows a scene inside another page, at a height in units of CSS.
+
+    Below the player lies the still of the scene, or of another recording that is pictured: it is seen on paper, and
+    until the player draws.
+    """
     page = page_of(recording, shared=_shares_the_viewer())
+    still = quote(still_of(pictured or recording), safe=" !$'()*+,/:;<=>?@[]^_{|}~")
+    over = "position:absolute;inset:0;width:100%;height:100%;border:0;border-radius:8px;color-scheme:light"
     return (
-        f'<iframe class="kinlib-scene" title="{html.escape(recording["alt"])}" '
-        f'style="width:100%;height:{height};border:0;border-radius:8px;display:block" '
-        f"srcdoc='{page.replace('&', '&amp;').replace(chr(39), '&#39;')}'></iframe>"
+        '<div class="kinlib-box" style="position:relative">'
+        f'<img class="kinlib-still" alt="" src="data:image/svg+xml,{still}" '
+        f'style="display:block;width:100%;max-width:100%;height:{height};object-fit:contain">'
+        f'<iframe class="kinlib-scene" title="{html.escape(recording["alt"])}" allow="fullscreen" style="{over}" '
+        f"srcdoc='{page.replace('&', '&amp;').replace(chr(39), '&#39;')}'></iframe></div>"
     )
 
 

@@ -97,7 +97,7 @@ class Surface:
 
 @dataclass(frozen=True)
 class Frame:
-    """A coordinate frame at a pose: x red, y green, z blue.
+    """A coordinate frame at a pose: x raspberry, y lime, z violet.
 
     Parameters
     ----------
@@ -122,7 +122,12 @@ class Frame:
 
     def points(self) -> np.ndarray:
         pose = self.matrix()
-        return pose[:3, 3] + (self.size or 0) * np.concatenate([np.zeros((1, 3)), pose[:3, :3].T])
+        return pose[:3, 3] + 1.3 * (self.size or 0) * np.concatenate([np.zeros((1, 3)), pose[:3, :3].T])
+
+    def tips(self, view: View) -> np.ndarray:
+        """Where its arrows end, in the units of the recording, shape (3, 3)."""
+        pose = self.matrix()
+        return view.place(pose[:3, 3]) + view.length(self.size, 0.18) * pose[:3, :3].T
 
     def solids(self, view: View) -> Iterable[Solid]:
         pose, size = self.matrix(), view.length(self.size, 0.18)
@@ -137,7 +142,7 @@ class Frame:
 
 @dataclass(frozen=True)
 class Label:
-    """A few letters next to a point."""
+    """A few letters about a point."""
 
     text: str
     point: PointLike

@@ -17,7 +17,7 @@ import numpy as np
 from kinlib.displacement import act
 from kinlib.dual_quaternion import DualQuaternion
 from kinlib.pictures.page import page_of, shown
-from kinlib.pictures.parts import Frame, Part
+from kinlib.pictures.parts import Frame, Label, Part
 from kinlib.pictures.recording import DIGITS, record, tidy, track
 from kinlib.pictures.shapes import Table, View
 from kinlib.scalar import as_float
@@ -144,9 +144,9 @@ class Scene(Playable):
         """One view: what is in it, how it moves, where its letters stand and when its frames light up."""
         view, hull = self._bounds()
         labels = [
-            (text, part.body, view.place(part.points()[0]), getattr(part, "lights_at", None))
+            (text, part.body, view.place(part.points()[0]), *_beside(part, view))
             for part in self.parts
-            if (text := _written(part))
+            if isinstance(part, Frame | Label) and (text := _written(part))
         ]
         lights = [
             (f"{part.body or 'fixed'}/{number}", part.lights_at, part.name)
@@ -166,7 +166,8 @@ class Scene(Playable):
         centre = (points.min(axis=0) + points.max(axis=0)) / 2
         radius = float(np.linalg.norm(points - centre, axis=1).max()) or 1.0
         view = View(centre, radius)
-        return view, _outermost(view.place(points))
+        sized = [self._swept(_sized(part, 0.18 * radius)) for part in self.parts]
+        return view, _outermost(view.place(np.concatenate(sized or [points])))
 
     def _swept(self, part: Part) -> np.ndarray:
         """The points of a part in all its positions, shape (k, 3)."""
@@ -176,9 +177,19 @@ class Scene(Playable):
         return as_float(act(self.motions[part.body][:, None], points)).reshape(-1, 3)
 
 
-def _written(part: Part) -> str:
+def _written(part: Frame | Label) -> str:
     """What is written next to a part."""
-    return getattr(part, "text", "") or getattr(part, "name", "")
+    return part.name if isinstance(part, Frame) else part.text
+
+
+def _beside(part: Frame | Label, view: View) -> tuple[int | None, list[list[float]]]:
+    """When letters are lit, and the tips of the arrows from which they keep away."""
+    return (part.lights_at, part.tips(view).tolist()) if isinstance(part, Frame) else (None, [])
+
+
+def _sized(part: Part, size: float) -> Part:
+    """The part as it is drawn: a frame without a size of its own has a given one."""
+    return replace(part, size=size) if isinstance(part, Frame) and part.size is None else part
 
 
 @dataclass(frozen=True, repr=False)
@@ -224,14 +235,19 @@ def _outermost(points: np.ndarray) -> np.ndarray:
 def _viewpoint(hulls: Sequence[np.ndarray]) -> tuple[int, int]:
     """The direction from above, in degrees, from which the hulls look largest on the whole."""
     directions = [(azimuth, elevation) for elevation in (22, 38) for azimuth in range(-180, 180, 15)]
-    return max(directions, key=lambda direction: sum(_apparent_size(hull, direction) for hull in hulls))
+    wide = 2.0 if len(hulls) == 1 else 1.25
+    return max(directions, key=lambda direction: sum(_apparent_size(hull, direction, wide) for hull in hulls))
 
 
-def _apparent_size(hull: np.ndarray, direction: tuple[float, float]) -> float:
-    """The logarithm of the area that points cover when they are seen from a direction, up to a constant."""
+def _apparent_size(hull: np.ndarray, direction: tuple[float, float], wide: float) -> float:
+    """The logarithm of the area that points cover when they are seen from a direction, up to a constant.
+
+    They are as large as a window lets them be that is so many times as wide as high.
+    """
     azimuth, elevation = np.radians(direction)
     right = [-np.sin(azimuth), np.cos(azimuth), 0]
     over = [-np.sin(elevation) * np.cos(azimuth), -np.sin(elevation) * np.sin(azimuth), np.cos(elevation)]
     seen = hull @ np.transpose([right, over])
     spread = seen - seen.mean(axis=0)
-    return round(float(np.log(np.linalg.det(spread.T @ spread) + 1e-6)), 6)
+    scale = 1 / max(float((np.ptp(seen, axis=0) / [wide, 1]).max()), 1e-3)
+    return round(float(np.log(np.linalg.det(spread.T @ spread) * scale**4 + 1e-6)), 6)

@@ -46,7 +46,7 @@ class Solid:
 
 
 def triad(origin: np.ndarray, pose: np.ndarray, size: float, radius: float, group: str) -> Iterable[Solid]:
-    """The three arrows of a coordinate frame at a pose: x red, y green, z blue."""
+    """The three arrows of a coordinate frame at a pose: x raspberry, y lime, z violet."""
     for axis, colour in enumerate((X_AXIS, Y_AXIS, Z_AXIS)):
         tip = origin + size * pose[:3, axis]
         yield Solid(Cylinder(1, 1), along(origin, tip, radius), colour, group=group)
@@ -95,19 +95,33 @@ class Tube(Geometry):
 
 
 class Sheet(Geometry):
-    """Two triangles for every mesh of a grid of points, shape (rows, columns, 3)."""
+    """Two triangles for every mesh of a grid of points, shape (rows, columns, 3).
+
+    Where the last row or column is the first again, their points are the same, so that light finds no seam.
+    """
 
     def __init__(self, grid: np.ndarray):
         super().__init__()
         self.grid = grid
 
     def lower(self, object_data: Table) -> Table:
-        rows, columns = self.grid.shape[:2]
-        corner = (np.arange(rows - 1)[:, None] * columns + np.arange(columns - 1)).ravel()
-        a, b, c, d = corner, corner + 1, corner + columns, corner + columns + 1
-        position = {"itemSize": 3, "type": "Float32Array", "array": self.grid.ravel().tolist()}
+        number, points = _numbered(self.grid)
+        a, b, c, d = (part.ravel() for part in (number[:-1, :-1], number[:-1, 1:], number[1:, :-1], number[1:, 1:]))
+        position = {"itemSize": 3, "type": "Float32Array", "array": points.ravel().tolist()}
         index = {"type": "Uint32Array", "array": np.stack([a, c, b, b, c, d], axis=1).ravel().tolist()}
         return {
             "uuid": self.uuid, "type": "BufferGeometry",
             "data": {"attributes": {"position": position}, "index": index},
         }  # fmt: skip
+
+
+def _numbered(grid: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """The number of every point of a grid, shape (rows, columns), and the points without repeated edges."""
+    rows, columns = grid.shape[:2]
+    size = np.ptp(grid.reshape(-1, 3), axis=0).max()
+    round_rows, round_columns = (np.allclose(edge[0], edge[1], atol=1e-9 * size) for edge in (
+        (grid[0], grid[-1]), (grid[:, 0], grid[:, -1])
+    ))  # fmt: skip
+    kept = grid[: rows - round_rows, : columns - round_columns]
+    row, column = np.arange(rows) % kept.shape[0], np.arange(columns) % kept.shape[1]
+    return row[:, None] * kept.shape[1] + column, kept

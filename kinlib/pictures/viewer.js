@@ -25,6 +25,9 @@
   const PLAY = icon("M7 4v16l13-8z");
   const PAUSE = icon("M6 4h4v16H6zm8 0h4v16h-4z");
   const HOME = icon("M12 5V1L7 6l5 5V7a5 5 0 1 1-5 5H5a7 7 0 1 0 7-7z");
+  const NEARER = icon("M11 5h2v6h6v2h-6v6h-2v-6H5v-2h6z");
+  const FARTHER = icon("M5 11h14v2H5z");
+  const FULL = icon("M4 4h6v2H6v4H4zm10 0h6v6h-2V6h-4zM4 14h2v4h4v2H4zm14 0h2v6h-6v-2h4z");
 
   function element(tag, attributes, parent) {
     const made = document.createElement(tag);
@@ -41,8 +44,16 @@
     type: "range", min: 0, max: frames - 1, step: 1, value: 0, "aria-label": recording.slider,
   }, controls);
   const readout = element("output", {}, controls);
-  const home = element("button", { type: "button", "aria-label": "Reset the view", title: "Reset the view" }, controls);
-  home.innerHTML = HOME;
+  const button = (name, picture) => {
+    const made = element("button", { type: "button", "aria-label": name, title: name }, controls);
+    made.innerHTML = picture;
+    return made;
+  };
+  const farther = button("Zoom out", FARTHER);
+  const nearer = button("Zoom in", NEARER);
+  const home = button("Reset the view", HOME);
+  const full = button("Full screen", FULL);
+  full.hidden = !document.fullscreenEnabled;
   if (frames < 2) for (const part of [toggle, slider, readout]) part.hidden = true;
   if (recording.legend.length) {
     const list = element("ul", { class: "legend" }, document.body);
@@ -57,10 +68,10 @@
     name.textContent = cell.name;
     return name;
   });
-  const labels = cells.flatMap((cell, number) => cell.labels.map(([text, body, point, light]) => {
+  const labels = cells.flatMap((cell, number) => cell.labels.map(([text, body, point, light, tips]) => {
     const tag = element("div", { class: "label" }, overlay);
     tag.textContent = text;
-    return { tag, body, point, light, number };
+    return { tag, body, point, light, number, tips: tips || [] };
   }));
 
   function say(text) {
@@ -78,6 +89,7 @@
       const asked = around && (around.documentElement.dataset.theme
         || { true: "light", false: "dark" }[around.body.dataset.jpThemeLight]);
       document.documentElement.dataset.theme = asked || (dark.matches ? "dark" : "light");
+      glaze();
     };
     settle();
     dark.addEventListener("change", settle);
@@ -233,12 +245,36 @@
     viewer.set_3d_pane_size = fit;
     viewer.set_dirty = wake;
     for (const name of ["Background", "Grid", "Axes"]) viewer.set_property([name], "visible", false);
+    for (const [name, intensity] of LIGHTS) viewer.set_property(["Lights", name, "<object>"], "intensity", intensity);
     cells.forEach(addCell);
+    smooth();
+    glaze();
     if (explorer) explorer.build(viewer.scene_tree.find(["cell0", "explorer"]).object);
     viewer.camera.fov = 30;
     lens = viewer.camera.clone();
     viewer.controls.addEventListener("start", () => { touched = true; });
     stage.style.touchAction = "pan-y"; // a finger that goes up or down scrolls the page
+  }
+
+  // Together they give a surface that faces the reader its own colour, the one that the legend shows.
+  const LIGHTS = [["AmbientLight", 0.5], ["FillLight", 0.45], ["PointLightNegativeX", 0.1], ["PointLightPositiveX", 0.1]];
+
+  const glazes = []; // what lets light through
+  function smooth() {
+    viewer.scene.traverse(({ geometry, material }) => {
+      if (!geometry || !material) return;
+      if (!geometry.attributes.normal) geometry.computeVertexNormals();
+      if (!material.transparent) return;
+      material.depthWrite = false;
+      glazes.push([material, material.opacity]);
+    });
+  }
+
+  // What is seen through needs more body in the dark.
+  function glaze() {
+    const more = document.documentElement.dataset.theme === "dark" ? 1.9 : 1;
+    for (const [material, opacity] of glazes) material.opacity = Math.min(0.85, more * opacity);
+    wake();
   }
 
   function addCell(cell, number) {
@@ -369,12 +405,30 @@
     });
   }
 
-  function write({ tag, body, point, light, number }, { x, y, width, height }) {
+  const ASIDE = 15; // pixels from where arrows start to the middle of their name
+
+  // The middle of the widest gap between arrows, given by what they do sideways and downwards.
+  function between(arrows) {
+    const angles = arrows.map(([across, down]) => Math.atan2(down, across)).sort((a, b) => a - b);
+    const gaps = angles.map((angle, n) => (n + 1 < angles.length ? angles[n + 1] : angles[0] + 2 * Math.PI) - angle);
+    const widest = gaps.indexOf(Math.max(...gaps));
+    const middle = angles[widest] + gaps[widest] / 2;
+    return [ASIDE * Math.cos(middle), ASIDE * Math.sin(middle)];
+  }
+
+  function write({ tag, body, point, light, number, tips }, { x, y, width, height }) {
     const m = bodyMatrix(number, body);
-    const [a, b, c] = [0, 1, 2].map((k) => m[k] * point[0] + m[k + 4] * point[1] + m[k + 8] * point[2] + m[k + 12]);
-    const spot = toView([a, b, c]).project(lens);
-    const left = x + (spot.x + 1) / 2 * width + 8;
-    const top = y + (1 - spot.y) / 2 * height + 4;
+    const onPaper = (p) => {
+      const moved = [0, 1, 2].map((k) => m[k] * p[0] + m[k + 4] * p[1] + m[k + 8] * p[2] + m[k + 12]);
+      const spot = toView(moved).project(lens);
+      return [(spot.x + 1) / 2 * width, (1 - spot.y) / 2 * height];
+    };
+    const [across, down] = onPaper(point);
+    const arrows = tips.map(onPaper).map(([u, v]) => [u - across, v - down]);
+    const [right, below] = arrows.length ? between(arrows) : [0, 0];
+    const inside = (at, room, size) => Math.max(0, Math.min(at - size / 2, room - size));
+    const left = x + inside(across + right, width, tag.offsetWidth);
+    const top = y + inside(down + below, height, tag.offsetHeight);
     tag.style.transform = `translate(${left.toFixed(1)}px, ${top.toFixed(1)}px)`;
     tag.classList.toggle("lit", light !== null && glow(light) > 0);
   }
@@ -410,6 +464,7 @@
     if (viewer) viewer.renderer = renderer;
     else build();
     state.ready = true;
+    document.body.classList.add("drawn"); // what lies below, a still, is needed no more
     last = performance.now();
     fit();
     draw();
@@ -431,6 +486,7 @@
   const turn = { ArrowLeft: [-8, 0], ArrowRight: [8, 0], ArrowUp: [0, 8], ArrowDown: [0, -8] };
 
   function turnView(event) {
+    if (event.key === "+" || event.key === "-") zoom(event.key === "+" ? 1 / 1.25 : 1.25);
     if (!viewer || !turn[event.key]) return;
     event.preventDefault();
     touched = true;
@@ -444,7 +500,21 @@
     wake();
   }
 
+  function zoom(factor) {
+    if (!viewer) return;
+    touched = true;
+    const { position } = viewer.camera;
+    position.sub(viewer.controls.target).multiplyScalar(factor).add(viewer.controls.target);
+    wake();
+  }
+
   function listen() {
+    nearer.addEventListener("click", () => zoom(1 / 1.25));
+    farther.addEventListener("click", () => zoom(1.25));
+    full.addEventListener("click", () => {
+      if (document.fullscreenElement) document.exitFullscreen();
+      else document.documentElement.requestFullscreen();
+    });
     toggle.addEventListener("click", () => (state.playing ? state.pause() : state.play()));
     slider.addEventListener("input", () => {
       state.pause();
