@@ -16,6 +16,7 @@ from kinlib.errors import Fault
 
 DOORS = ("kinlib", "kinlib.pictures", "kinlib.gallery", "kinlib.testing", "kinlib.typing")
 FILE = re.compile(r"kinlib\.(?:pictures\.)?[a-z_]+\.")
+CODE_OR_BAR = re.compile(r"(?P<code>``.+?``|^ *>>>.*?(?:\n *$|\Z))|\|", re.DOTALL | re.MULTILINE)
 TYPE = re.compile(r"~(?:\w+\.)*(\w+)")
 
 
@@ -25,7 +26,12 @@ def prepare(app, what, name, obj, options, lines) -> None:
         lines += [text for fault in obj for text in ("", f":{fault.name}: {fault.message}")]
     if what == "data":
         lines[:] = words_below(name.rpartition(".")[2]) or lines
-    lines[:] = [line.replace("|", r"\|") for line in lines]
+    lines[:] = with_bars("\n".join(lines)).split("\n")
+
+
+def with_bars(text: str) -> str:
+    """The text with its bars escaped, but for those in code: there a bar is a bar already."""
+    return CODE_OR_BAR.sub(lambda found: found["code"] or r"\|", text)
 
 
 def is_fault(obj) -> bool:

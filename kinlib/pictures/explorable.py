@@ -46,6 +46,7 @@ class ExplorableScene:
     alt: str
     table: dict[str, Any]
     height: str = "34rem"
+    pictured: dict[str, Any] | None = None
 
     def __repr__(self) -> str:
         return f"<{type(self).__name__}: {self.alt}>"
@@ -61,7 +62,7 @@ class ExplorableScene:
         return path
 
     def _repr_html_(self) -> str:
-        return shown(self.table, self.height)
+        return shown(self.table, self.height, self.pictured)
 
 
 def goldberg_scene(
@@ -121,7 +122,7 @@ def goldberg_scene(
         "explorer": explorer,
     })  # fmt: skip
     table["explorer"] |= {"near": NEAR, "start": [float(c) for c in z]}  # in full
-    return ExplorableScene(alt, table, height)
+    return ExplorableScene(alt, table, height, scene.recording())
 
 
 def _home_point(linkage: Linkage, point: Sequence[float]) -> list[float]:
