@@ -1,8 +1,8 @@
-// How the elements of a page look, so that what has been seen before need not be looked at again.
+// How the text of a page looks, so that what has been seen before need not be looked at again.
 //
-//   looks.remember(theme)  give the page a theme, and keep how everything looks
-//   looks.compare(theme)   give it a theme, and find what looks otherwise than was remembered for that theme
-//   looks.changed          the elements that compare found
+//   looks.all(theme)    give the page a theme, and list the different looks of its text
+//   looks.pick(looks)   find an element for each of these looks
+//   looks.picked        the elements that pick found
 "use strict";
 window.looks = (() => {
   const PROPERTIES = [
@@ -10,39 +10,40 @@ window.looks = (() => {
     "color", "backgroundColor", "backgroundImage", "textShadow", "textDecorationLine", "fontSize", "fontWeight",
     "borderBottomWidth", "borderBottomColor",
   ];
-  const remembered = {};
+  let found = new Map();
 
-  // An element's look is its own style and the looks of all that it lies in, as one number.
-  function hash(text, start) {
-    let value = start;
-    for (let n = 0; n < text.length; n += 1) value = (Math.imul(value, 31) + text.charCodeAt(n)) | 0;
-    return value;
+  // An element's look is its own style and the looks of all that it lies in, as two numbers.
+  function hash(text, [a, b]) {
+    for (let n = 0; n < text.length; n += 1) {
+      const code = text.charCodeAt(n);
+      a = (Math.imul(a, 31) + code) | 0;
+      b = (Math.imul(b ^ code, 16777619) + 1) | 0;
+    }
+    return [a, b];
   }
 
-  function seen() {
-    const found = new Map();
-    const visit = (element, around) => {
-      const style = getComputedStyle(element);
-      if (style.display === "none") return;
-      const look = hash(PROPERTIES.map((name) => style[name]).join("|"), around);
-      found.set(element, look);
-      for (const child of element.children) visit(child, look);
-    };
-    visit(document.documentElement, 7);
-    return found;
+  const hasText = (element) => element.placeholder || element.value
+    || [...element.childNodes].some((node) => node.nodeType === Node.TEXT_NODE && node.data.trim());
+
+  function visit(element, around) {
+    const style = getComputedStyle(element);
+    if (style.display === "none") return;
+    const look = hash([element.localName, ...PROPERTIES.map((name) => style[name])].join("|"), around);
+    const name = look.join(" ");
+    if (!found.has(name) && hasText(element)) found.set(name, element);
+    for (const child of element.children) visit(child, look);
   }
 
   const api = {
-    changed: [],
-    remember(theme) {
+    picked: [],
+    all(theme) {
       document.documentElement.dataset.theme = theme;
-      remembered[theme] = seen();
+      found = new Map();
+      visit(document.documentElement, [7, 7]);
+      return [...found.keys()];
     },
-    compare(theme) {
-      document.documentElement.dataset.theme = theme;
-      const changed = [...seen()].filter(([element, look]) => remembered[theme].get(element) !== look);
-      const elements = new Set(changed.map(([element]) => element));
-      api.changed = [...elements].filter((element) => !elements.has(element.parentElement));
+    pick(looks) {
+      api.picked = looks.map((name) => found.get(name));
     },
   };
   return api;
