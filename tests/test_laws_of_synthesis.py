@@ -203,8 +203,8 @@ def test_parameters_angles_and_poses_belong_together(shape):
     assert linkage.joint_ranges().shape == (*shape, 4, 2)
     assert linkage.order_of_visits().shape == (*shape, 3)
     assert linkage.dead_points(1).shape == (*shape, 0)
-    for law in (ConstantSpeed(), ConstantPointSpeed([1, 2, 3]), RestAtPoses()):
-        table = linkage.drive(law, [0.0, 0.5])
+    for pace in (ConstantSpeed(), ConstantPointSpeed([1, 2, 3]), RestAtPoses()):
+        table = linkage.drive(pace, [0.0, 0.5])
         assert table.t.shape == table.poses.shape == (*shape, 2)
         assert table.angles.shape == (*shape, 2, 4)
 

@@ -1,4 +1,4 @@
-"""A Sphinx extension: a page in which the line ``<!-- statements -->`` becomes the list of all statements, by chapter."""
+"""A Sphinx extension: a page in which ``<!-- statements -->`` becomes the list of all statements, by chapter."""
 
 import json
 import re
