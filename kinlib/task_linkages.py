@@ -164,7 +164,7 @@ def _linkages_for(
     for number, joints in enumerate(CHAINS[name]):
         search = Search(joints, problem.conditions())
         solutions = distinct(search, search.found(starts, (seed, number), _part(progress, number, len(CHAINS[name]))))
-        for row in range(len(solutions.phi)):
+        for row in range(solutions.count):
             found += [(_reach(solutions, row), linkage) for linkage in _built(problem, search, solutions, row)]
     if not found:
         raise NotFoundError(
@@ -180,13 +180,13 @@ def _part(progress: Progress | None, number: int, count: int) -> Progress | None
 
 def _reach(solutions: Unknowns, row: int) -> float:
     """How far the axes of a chain are from the middle."""
-    return float(np.linalg.norm(solutions.p[row], axis=-1).max())
+    return float(np.linalg.norm(solutions.p[..., row], axis=0).max())
 
 
 def distinct(search: Search, solutions: Unknowns) -> Unknowns:
     """Each solution once, without those whose cubic is a motion of lower degree or belongs to no linkage."""
     solutions = solutions.some(_is_regular(search, solutions))
-    numbers, kept = coefficients(search, solutions), np.zeros(len(solutions.phi), dtype=bool)
+    numbers, kept = coefficients(search, solutions), np.zeros(solutions.count, dtype=bool)
     mirrored = numbers * np.array([(-1.0) ** n for n in range(1, numbers.shape[1] + 1)])[:, None]
     size = np.abs(numbers).max(axis=(1, 2), initial=1)
     for row in range(len(kept)):
@@ -197,15 +197,15 @@ def distinct(search: Search, solutions: Unknowns) -> Unknowns:
 
 def _is_regular(search: Search, solutions: Unknowns) -> Array:
     """Whether all joints turn, those that turn twice do not turn back, and neighbours are different."""
-    z, size = solutions.z, np.abs(solutions.z).max(axis=-1, initial=1)
-    fine = (np.abs(z.imag) > SAME * size[:, None]).all(axis=-1)
+    z, size = solutions.z, np.abs(solutions.z).max(axis=0, initial=1)
+    fine = (np.abs(z.imag) > SAME * size).all(axis=0)
     owner = np.repeat(np.arange(len(search.joints)), search.joints)
     for m, n in pairwise(range(len(owner))):
-        near = np.abs(z[:, m] - z[:, n].conj()) <= SAME * size
-        same_quadratic = near | (np.abs(z[:, m] - z[:, n]) <= SAME * size)
+        near = np.abs(z[m] - z[n].conj()) <= SAME * size
+        same_quadratic = near | (np.abs(z[m] - z[n]) <= SAME * size)
         fine &= ~(near if owner[m] == owner[n] else same_quadratic & (len(search.joints) == 2))
     for m, n in pairwise(range(len(search.joints))):
-        parallel = np.linalg.norm(np.cross(solutions.l[:, m], solutions.l[:, n]), axis=-1) < SAME
+        parallel = np.linalg.norm(np.cross(solutions.l[:, m], solutions.l[:, n], axis=0), axis=0) < SAME
         fine &= ~parallel
     return fine
 
@@ -213,8 +213,8 @@ def _is_regular(search: Search, solutions: Unknowns) -> Array:
 def coefficients(search: Search, solutions: Unknowns) -> Array:
     """The coefficients of the monic motions, shape (rows, degree, 8), with the mean of the z imaginary and their
     imaginary parts of square sum 1: so all chains of a motion have the same, up to the sign of t."""
-    z = solutions.z - solutions.z.real.mean(axis=-1, keepdims=True)
-    z = z / np.sqrt((z.imag**2).sum(axis=-1, keepdims=True))
+    z = solutions.z - solutions.z.real.mean(axis=0)
+    z = z / np.sqrt((z.imag**2).sum(axis=0))
     product = product_of(factors_of(search, Unknowns(solutions.l, solutions.p, z, solutions.phi)))
     return np.stack([c.coeffs for c in product[1:]], axis=1)
 
@@ -224,16 +224,16 @@ def factors_of(search: Search, solutions: Unknowns) -> list[DualQuaternion]:
     owner = np.repeat(np.arange(len(search.joints)), search.joints)
     factors = []
     for n, joint in enumerate(owner):
-        l, p, z = solutions.l[:, joint], solutions.p[:, joint], solutions.z[:, n, None]
-        turn = [z.real, z.imag * l, np.zeros_like(z.real), z.imag * np.cross(p, l)]
-        factors.append(DualQuaternion(np.concatenate(turn, axis=-1)))
+        l, p, z = solutions.l[:, joint], solutions.p[:, joint], solutions.z[n]
+        turn = [z.real, *(z.imag * l), np.zeros_like(z.real), *(z.imag * np.cross(p, l, axis=0))]
+        factors.append(DualQuaternion.from_components(np.stack(turn)))
     return factors
 
 
 def _built(problem: TaskProblem, search: Search, solutions: Unknowns, row: int) -> Iterator[Linkage]:
     """The linkages of one solution that stand the check."""
     with np.errstate(divide="ignore"):
-        phi = np.mod(solutions.phi[row], np.pi)
+        phi = np.mod(solutions.phi[:, row], np.pi)
         parameters = (np.inf, *np.where(phi == 0, np.inf, np.cos(phi) / np.sin(phi)).tolist())
     chain = tuple(h[row] for h in factors_of(search, solutions))
     for first, second, joints in _loops(search.joints, chain):

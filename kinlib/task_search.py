@@ -30,6 +30,9 @@ STEPS = 250
 LONGEST_STEP = 0.7
 """No unknown changes by more in one step: radians, or parts of the size of the problem."""
 
+SPREAD = 0.8
+"""The standard deviation of the parts of the random z."""
+
 GRID = 12
 """At so many parameters along a random chain it is looked where it comes nearest to each datum."""
 
@@ -52,8 +55,9 @@ class Conditions:
     count : int
         The number of data.
     arrive, touch, aim, turn : tuple of arrays
-        The numbers of the data and, for points: point, place; for points on lines: point, foot, two normals; for
-        directions of length 1: before, after; for orientations: the conjugate of the unit quaternion.
+        The numbers of the data; then, with a row for each part: for points: point, place; for points on lines: point,
+        foot, two normals; for directions of length 1: before, after; for orientations: the conjugate of the unit
+        quaternion.
     """
 
     count: int
@@ -66,14 +70,14 @@ class Conditions:
     def owners(self) -> Array:
         """The number of the datum of each residual."""
         rows = (self.arrive, 3), (self.touch, 2), (self.aim, 3), (self.turn, 3)
-        return np.concatenate([np.repeat(part[0], size) for part, size in rows])
+        return np.concatenate([np.tile(part[0], size) for part, size in rows])
 
 
 @dataclass
 class Unknowns:
     """Chains: directions l (length 1) and feet p of the axes, numbers z, and the φ of each datum with t = cot φ.
 
-    Shapes (rows, joints, 3) twice, (rows, factors), (rows, data).
+    Shapes (3, joints, chains) twice, (factors, chains), (data, chains): the chains stand last, for speed.
     """
 
     l: Array
@@ -81,18 +85,22 @@ class Unknowns:
     z: Array
     phi: Array
 
+    @property
+    def count(self) -> int:
+        """The number of chains."""
+        return self.phi.shape[-1]
+
     def arrays(self) -> tuple[Array, ...]:
         """All of them."""
         return self.l, self.p, self.z, self.phi
 
-    def some(self, rows: Array | slice) -> Unknowns:
+    def some(self, which: Array | slice) -> Unknowns:
         """Some of the chains."""
-        return Unknowns(*(x[rows] for x in self.arrays()))
+        return Unknowns(*(x[..., which] for x in self.arrays()))
 
-    def chosen(self, rows: Array, others: Unknowns) -> Unknowns:
-        """The other chains in some rows."""
-        pairs = zip(others.arrays(), self.arrays(), strict=True)
-        return Unknowns(*(np.where(rows.reshape(-1, *[1] * (x.ndim - 1)), y, x) for y, x in pairs))
+    def chosen(self, where: Array, others: Unknowns) -> Unknowns:
+        """The other chains at some places."""
+        return Unknowns(*(np.where(where, y, x) for x, y in zip(self.arrays(), others.arrays(), strict=True)))
 
     def at(self, phi: Array) -> Unknowns:
         """The same chains at other parameters."""
@@ -101,25 +109,29 @@ class Unknowns:
     @staticmethod
     def joined(parts: Sequence[Unknowns]) -> Unknowns:
         """All chains of several parts."""
-        return Unknowns(*(np.concatenate(x) for x in zip(*(part.arrays() for part in parts), strict=True)))
+        return Unknowns(*(np.concatenate(x, axis=-1) for x in zip(*(part.arrays() for part in parts), strict=True)))
 
-    @property
+    @cached_property
     def normals(self) -> tuple[Array, Array]:
         """Two unit vectors perpendicular to each axis."""
         return normals_of(self.l)
 
     def moved(self, step: Array) -> Unknowns:
-        """The chains after a step in all unknowns: two turns and two shifts of each axis, then z, then φ."""
-        joints, free = self.l.shape[1], self.z.shape[1] - 1
-        axes = step[:, : 4 * joints].reshape(-1, joints, 4, 1)
+        """The chains after a step in all unknowns: two turns and two shifts of each axis, then z, then φ.
+
+        Parameters
+        ----------
+        step : numpy.ndarray, shape (unknowns, chains)
+        """
+        joints, free = self.l.shape[1], len(self.z) - 1
+        axes = step[: 4 * joints].reshape(joints, 4, -1)
         e1, e2 = self.normals
-        l = self.l + axes[:, :, 0] * cross(e1, self.l) + axes[:, :, 1] * cross(e2, self.l)
-        l = l / np.linalg.norm(l, axis=-1, keepdims=True)
-        p = self.p + axes[:, :, 2] * e1 + axes[:, :, 3] * e2
-        numbers = step[:, 4 * joints : 4 * joints + 2 * free].reshape(-1, free, 2)
-        z = self.z.copy()
-        z[:, :free] += numbers[..., 0] + 1j * numbers[..., 1]
-        return Unknowns(l, p - (p * l).sum(-1, keepdims=True) * l, z, self.phi + step[:, 4 * joints + 2 * free :])
+        l = self.l - axes[:, 0] * e2 + axes[:, 1] * e1  # turned about e1 and e2
+        l = l / np.sqrt((l * l).sum(axis=0))
+        p = self.p + axes[:, 2] * e1 + axes[:, 3] * e2
+        numbers = step[4 * joints : 4 * joints + 2 * free].reshape(free, 2, -1)
+        z = np.concatenate([self.z[:free] + numbers[:, 0] + 1j * numbers[:, 1], self.z[free:]])
+        return Unknowns(l, p - (p * l).sum(axis=0) * l, z, self.phi + step[4 * joints + 2 * free :])
 
 
 @dataclass(frozen=True)
@@ -136,30 +148,22 @@ class Search:
     joints: tuple[int, ...]
     conditions: Conditions
 
-    @property
-    def _first(self) -> list[int]:
-        """The first factor of each joint."""
-        return [0, *accumulate(self.joints[:-1])]
-
-    def random(self, rows: int, random: np.random.Generator) -> Unknowns:
+    def random(self, count: int, random: np.random.Generator) -> Unknowns:
         """Random chains, each with the best of some parameters for each datum."""
         joints, factors = len(self.joints), sum(self.joints)
-        l = random.normal(size=(rows, joints, 3))
-        l /= np.linalg.norm(l, axis=-1, keepdims=True)
-        p = random.normal(size=(rows, joints, 3))
-        z = 0.8 * (random.normal(size=(rows, factors)) + 1j * random.normal(size=(rows, factors)))
+        l = random.normal(size=(count, joints, 3)).T
+        l = l / np.sqrt((l * l).sum(axis=0))
+        p = random.normal(size=(count, joints, 3)).T
+        z = SPREAD * random.normal(size=(count, factors, 2)) @ np.array([1, 1j])
         z[:, -1] = 1j
-        unknowns = Unknowns(l, p - (p * l).sum(-1, keepdims=True) * l, z, np.zeros((rows, self.conditions.count)))
-        return self._nearest(unknowns)
+        return self._nearest(Unknowns(l, p - (p * l).sum(axis=0) * l, z.T, np.zeros((self.conditions.count, count))))
 
     def _nearest(self, unknowns: Unknowns) -> Unknowns:
         """The same chains with each datum at the best of some parameters."""
-        owner = np.arange(self.conditions.count)[:, None] == self.conditions.owners
-        best = np.full(unknowns.phi.shape, np.inf)
-        phi = unknowns.phi
+        owner = (np.arange(self.conditions.count)[:, None] == self.conditions.owners).astype(float)
+        best, phi = np.full(unknowns.phi.shape, np.inf), unknowns.phi
         for angle in (np.arange(GRID) + 0.5) * np.pi / GRID:
-            residuals = self.residuals(unknowns.at(np.full_like(phi, angle)))
-            missed = residuals**2 @ owner.T
+            missed = owner @ self.residuals(unknowns.at(np.full_like(phi, angle))) ** 2
             phi = np.where(missed < best, angle, phi)
             best = np.minimum(missed, best)
         return unknowns.at(phi)
@@ -167,84 +171,79 @@ class Search:
     # ---- values and derivatives ------------------------------------------------------------------------
 
     def residuals(self, unknowns: Unknowns) -> Array:
-        """How far the chains are from the data, shape (rows, residuals)."""
+        """How far the chains are from the data, shape (residuals, chains)."""
         return self._measured(Motion(self.joints, unknowns), None)[0]
 
     def derivatives(self, unknowns: Unknowns) -> tuple[Array, Array]:
-        """The residuals, and their derivatives by all unknowns, shape (rows, residuals, unknowns)."""
+        """The residuals, and their derivatives by all unknowns, shape (chains, residuals, unknowns)."""
         motion = Motion(self.joints, unknowns)
-        values, by_datum = self._measured(motion, motion.twists())
-        owners, common = self.conditions.owners, by_datum.shape[-1] - 1
-        matrix = np.zeros((*values.shape, common + self.conditions.count))
-        matrix[..., :common] = by_datum[..., :common]
-        matrix[:, np.arange(len(owners)), common + owners] = by_datum[..., common]
+        values, slopes = self._measured(motion, motion.twists())
+        owners, common = self.conditions.owners, len(slopes) - 1
+        matrix = np.zeros((unknowns.count, len(values), common + self.conditions.count))
+        matrix[..., :common] = slopes[:common].transpose(2, 1, 0)
+        matrix[:, np.arange(len(owners)), common + owners] = slopes[common].T
         return values, matrix
 
     def _measured(self, motion: Motion, twists: tuple[Array, Array] | None) -> tuple[Array, Array]:
-        """The residuals, and how they change along twists (ω, v) of shape (rows, data, twists, 3)."""
+        """The residuals, and how they change along twists (ω, v) of shape (twists, 3, data, chains)."""
         values: list[Array] = []
         slopes: list[Array] = []
 
-        def add(value: Array, slope: Callable[[Array, Array], Array], data: Array) -> None:
-            rows, size = len(value), value.shape[1] * value.shape[2]
-            values.append(value.reshape(rows, size))
+        def add(data: Array, value: Array, slope: Callable[[Array, Array], Array]) -> None:
+            values.append(value.reshape(len(value) * len(data), -1))
             if twists is not None:
-                changes = slope(twists[0][:, data], twists[1][:, data])
-                slopes.append(np.swapaxes(changes, 2, 3).reshape(rows, size, changes.shape[2]))
+                changes = slope(twists[0][:, :, data], twists[1][:, :, data])
+                slopes.append(changes.reshape(len(changes), len(value) * len(data), -1))
 
         data, x, place = self.conditions.arrive
-        at = motion.points(data, x)
-        add(at - place, lambda w, v: cross(w, at[:, :, None]) + v, data)
+        if len(data):
+            at = motion.points(data, x)
+            add(data, at - _columns(place), lambda w, v: cross(w, at) + v)
         data, x, foot, across = self.conditions.touch
-        on = motion.points(data, x)
-        beside = np.einsum("kci,nki->nkc", across, on - foot)
-        add(beside, lambda w, v: np.einsum("kci,nkgi->nkgc", across, cross(w, on[:, :, None]) + v), data)
+        if len(data):
+            on, normals = motion.points(data, x), np.moveaxis(across, 0, -1)[..., None]
+            beside = (normals * (on - _columns(foot))).sum(axis=1)
+            add(data, beside, lambda w, v: _dot(w, cross(on, normals)) + _dot(v, normals))
         data, before, after = self.conditions.aim
-        aimed = motion.directions(data, before)
-        add(aimed - after, lambda w, v: cross(w, aimed[:, :, None]), data)
+        if len(data):
+            aimed = motion.directions(data, before)
+            add(data, aimed - _columns(after), lambda w, v: cross(w, aimed))
         data, wanted = self.conditions.turn
-        error = quaternion_product(motion.turn[:, data], np.broadcast_to(wanted, (len(at), *wanted.shape)))
-        scalar, vector = error[..., None, :1], error[..., None, 1:]
-        add(2 * error[..., 1:], lambda w, v: scalar * w + cross(w, vector), data)
-        return np.concatenate(values, axis=1), np.concatenate(slopes, axis=1) if slopes else np.empty(0)
+        if len(data):
+            error = quaternion_product(motion.turn[:, data], _columns(wanted))
+            add(data, 2 * error[1:], lambda w, v: error[0] * w + cross(w, error[1:]))
+        return np.concatenate(values), np.concatenate(slopes, axis=1) if slopes else np.empty(0)
 
     # ---- the search ------------------------------------------------------------------------------------
 
     def found(self, starts: int, seed: Sequence[int], progress: Callable[[float], None] | None = None) -> Unknowns:
-        """The solutions that were found from random starts, each as often as it was found."""
-        random = np.random.default_rng(seed)
-        rows = CANDIDATES * starts
-        parts = []
-        for begin in range(0, rows, BLOCK):
-            parts.append(self.followed(self.random(min(BLOCK, rows - begin), random)))
-            if progress:
-                progress(min(begin + BLOCK, rows) / rows)
-        return Unknowns.joined(parts)
+        """The solutions that were found from random starts, each as often as it was found.
 
-    def followed(self, unknowns: Unknowns, stages: Sequence[tuple[int, int]] = STAGES) -> Unknowns:
-        """The solutions to which chains lead; those that miss the data most are given up on the way."""
-        rows, solved = len(unknowns.phi), [unknowns.some(slice(0))]
-        descent = Descent.of(self, unknowns)
-        for step in range(1, STEPS + 1):
-            descent = descent.stepped()
-            if step % 4 == 0:
-                done = descent.missed < MET
-                solved.append(descent.unknowns.some(done))
-                descent = descent.some(~done & descent.is_sensible)
-            for number, share in stages:
-                if step == number:
-                    descent = descent.some(np.sort(np.argsort(descent.missed, kind="stable")[: rows // share]))
-            if not len(descent.missed):
-                break
-        return self.polished(Unknowns.joined(solved))
+        The chains of a block that miss the data most are given up on the way; the others are followed together.
+        """
+        random = np.random.default_rng(seed)
+        whole = CANDIDATES * starts
+        solved, left = [], []
+        for begin in range(0, whole, BLOCK):
+            descent = Descent.of(self, self.random(min(BLOCK, whole - begin), random))
+            found, descent = descent.followed(0, STAGES[-1][0])
+            solved.append(found)
+            left.append(descent.unknowns)
+            if progress:
+                progress(0.6 * min(begin + BLOCK, whole) / whole)
+        found, _ = Descent.of(self, Unknowns.joined(left)).followed(STAGES[-1][0], STEPS)
+        solutions = self.polished(Unknowns.joined([*solved, found]))
+        if progress:
+            progress(1.0)
+        return solutions
 
     def polished(self, unknowns: Unknowns, steps: int = 3) -> Unknowns:
         """Solutions up to rounding, by Newton's method with the shortest steps; those that run away are left out."""
         for _ in range(steps):
             values, matrix = self.derivatives(unknowns)
-            step = -(np.linalg.pinv(matrix, rcond=1e-10) @ values[..., None])[..., 0]
-            unknowns = unknowns.moved(_shortened(step))
-        return unknowns.some((self.residuals(unknowns) ** 2).sum(-1) < MET)
+            step = -(np.linalg.pinv(matrix, rcond=1e-10) @ values.T[..., None])[..., 0]
+            unknowns = unknowns.moved(_shortened(step).T)
+        return unknowns.some((self.residuals(unknowns) ** 2).sum(axis=0) < MET)
 
 
 @dataclass
@@ -262,140 +261,172 @@ class Descent:
     def of(cls, search: Search, unknowns: Unknowns) -> Descent:
         """The beginning."""
         values, matrix = search.derivatives(unknowns)
-        return cls(search, unknowns, values, matrix, (values**2).sum(-1), np.ones(len(values)))
+        return cls(search, unknowns, values.T, matrix, (values**2).sum(axis=0), np.ones(unknowns.count))
 
     @property
     def is_sensible(self) -> Array:
         """Whether the axes are not far away."""
-        return np.abs(self.unknowns.p).max(axis=(1, 2), initial=0) < FAR
+        return np.abs(self.unknowns.p).max(axis=(0, 1), initial=0) < FAR
 
-    def some(self, rows: Array) -> Descent:
+    def followed(self, begin: int, end: int) -> tuple[Unknowns, Descent]:
+        """The solutions that are reached in some steps, and the chains that are still on their way."""
+        descent, whole, shares = self, self.unknowns.count, dict(STAGES)
+        solved = [self.unknowns.some(slice(0))]
+        for step in range(begin + 1, end + 1):
+            if not descent.unknowns.count:
+                break
+            descent = descent.stepped()
+            if step % 4 == 0 or step == end:
+                done = descent.missed < MET
+                solved.append(descent.unknowns.some(done))
+                descent = descent.some(np.flatnonzero(~done & descent.is_sensible))
+            if step in shares:
+                descent = descent.some(np.sort(np.argsort(descent.missed, kind="stable")[: whole // shares[step]]))
+        return Unknowns.joined(solved), descent
+
+    def some(self, which: Array) -> Descent:
         """Some of the chains."""
-        rest = (x[rows] for x in (self.values, self.matrix, self.missed, self.damping))
-        return Descent(self.search, self.unknowns.some(rows), *rest)
+        rest = (x[which] for x in (self.values, self.matrix, self.missed, self.damping))
+        return Descent(self.search, self.unknowns.some(which), *rest)
 
     def stepped(self) -> Descent:
         """One step of Levenberg and Marquardt, taken where it leads nearer."""
         transposed = np.swapaxes(self.matrix, 1, 2)
         normal = transposed @ self.matrix
         diagonal = np.einsum("nii->ni", normal)
-        diagonal = diagonal + 1e-3 * diagonal.mean(axis=-1, keepdims=True) + 1e-12
-        normal = normal + (self.damping[:, None] * diagonal)[:, :, None] * np.eye(normal.shape[1])
+        mean = diagonal.mean(axis=-1, keepdims=True)
+        diagonal += self.damping[:, None] * (diagonal + 1e-3 * mean + 1e-12)
         step = -np.linalg.solve(normal, transposed @ self.values[..., None])[..., 0]
-        tried = self.unknowns.moved(_shortened(step))
+        tried = self.unknowns.moved(_shortened(step).T)
         values, matrix = self.search.derivatives(tried)
-        missed = (values**2).sum(-1)
+        missed = (values**2).sum(axis=0)
         nearer = missed < self.missed
-        damping = np.where(nearer, np.maximum(self.damping / 4, 1e-15), np.minimum(self.damping * 4, 1e10))
+        self.values[nearer], self.matrix[nearer] = values.T[nearer], matrix[nearer]
         return Descent(
             self.search,
             self.unknowns.chosen(nearer, tried),
-            np.where(nearer[:, None], values, self.values),
-            np.where(nearer[:, None, None], matrix, self.matrix),
+            self.values,
+            self.matrix,
             np.where(nearer, missed, self.missed),
-            damping,
+            np.where(nearer, np.maximum(self.damping / 4, 1e-15), np.minimum(self.damping * 4, 1e10)),
         )
 
 
 def _shortened(step: Array) -> Array:
-    longest = np.abs(step).max(axis=-1, keepdims=True)
+    """Steps of shape (chains, unknowns) that are not too long."""
+    longest = np.abs(step).max(axis=-1, keepdims=True, initial=0)
     return step * np.minimum(1, LONGEST_STEP / np.maximum(longest, 1e-300))
 
 
 class Motion:
-    """The displacement of the end of each chain at each datum: rotation matrix, shift, and unit quaternion."""
+    """The displacement of the end of each chain at each datum: rotation (3, 3), shift (3), unit quaternion (4)."""
 
     def __init__(self, joints: tuple[int, ...], unknowns: Unknowns):
         self.joints, self.unknowns = joints, unknowns
         self.first = [0, *accumulate(joints[:-1])]
-        self.c, self.s = np.cos(unknowns.phi)[..., None], np.sin(unknowns.phi)[..., None]
-        self.factors = self.c - self.s * unknowns.z[:, None, :]
-        half = np.add.reduceat(np.angle(self.factors), self.first, axis=-1)
-        self.before: list[tuple[Array, Array, Array]] = []  # of each joint: rotation, point of the axis, own rotation
-        rows, data = unknowns.phi.shape
-        self.rotation = np.broadcast_to(np.eye(3), (rows, data, 3, 3))
-        self.shift = np.zeros((rows, data, 3))
-        self.turn = np.broadcast_to([1.0, 0, 0, 0], (rows, data, 4))
+        self.c, self.s = np.cos(unknowns.phi), np.sin(unknowns.phi)
+        self.factors = self.c - self.s * unknowns.z[:, None]
+        half = np.add.reduceat(np.angle(self.factors), self.first)
+        self.halves = np.cos(half), np.sin(half)
+        self.before: list[tuple[Array, Array, Array]] = []  # of each joint: two normals and a point of its axis
+        shape = unknowns.phi.shape
+        self.rotation = np.broadcast_to(np.eye(3)[..., None, None], (3, 3, *shape))
+        self.shift = np.zeros((3, *shape))
+        self.turn = np.broadcast_to(np.array([1.0, 0, 0, 0])[:, None, None], (4, *shape))
         for n in range(len(joints)):
-            self._add_joint(n, half[..., n, None])
+            self._add_joint(n)
 
-    def _add_joint(self, n: int, half: Array) -> None:
-        l, p = self.unknowns.l[:, None, n], self.unknowns.p[:, None, n]
-        quaternion = np.concatenate([np.cos(half), np.sin(half) * l], axis=-1)
-        own = rotation_matrix(quaternion)
+    def _add_joint(self, n: int) -> None:
+        l, p, e1, e2 = (x[:, n, None] for x in (self.unknowns.l, self.unknowns.p, *self.unknowns.normals))
         foot = _image(self.rotation, p) + self.shift
-        self.before.append((self.rotation, foot, own))
-        self.rotation = self.rotation @ own
+        self.before.append((_image(self.rotation, e1), _image(self.rotation, e2), foot))
+        cosine, sine = (x[n] for x in self.halves)
+        self.turn = quaternion_product(self.turn, np.stack([cosine, *(sine * l)]))
+        self.rotation = rotation_matrix(self.turn)
         self.shift = foot - _image(self.rotation, p)
-        self.turn = quaternion_product(self.turn, quaternion)
 
     def points(self, data: Array, x: Array) -> Array:
-        """Where points come, shape (rows, points, 3)."""
+        """Where points come, shape (3, points, chains)."""
         return self.directions(data, x) + self.shift[:, data]
 
     def directions(self, data: Array, x: Array) -> Array:
-        """Where directions point, shape (rows, directions, 3)."""
-        return _image(self.rotation[:, data], x)
+        """Where directions point, shape (3, directions, chains)."""
+        return _image(self.rotation[:, :, data], _columns(x))
 
     def twists(self) -> tuple[Array, Array]:
-        """The velocities (ω, v at the origin) by all unknowns and, last, by the φ of the datum: (rows, data, n, 3)."""
+        """The velocities ω, and v at the origin, by all unknowns and, last, φ: (n, 3, data, chains)."""
         turns, shifts, spins = [], [], []
         zero = np.zeros_like(self.shift)
-        e1, e2 = self.unknowns.normals
-        for n, (rotation, foot, own) in enumerate(self.before):
-            axis = _image(rotation, self.unknowns.l[:, None, n])
+        for n, (e1, e2, foot) in enumerate(self.before):
+            axis = cross(e1, e2)
             spins.append((axis, cross(foot, axis)))
-            across = np.broadcast_to(np.stack([e1[:, n], e2[:, n]], axis=-1)[:, None], (*zero.shape, 2))
-            left = np.moveaxis(rotation @ (across - own @ across), -1, 0)
-            turns += [left[0], left[1], zero, zero]
-            shifts += [cross(foot, left[0]), cross(foot, left[1]), left[0], left[1]]
+            cosine, sine = (x[n] for x in self.halves)
+            versine, sine = 2 * sine * sine, 2 * sine * cosine
+            left = versine * e1 - sine * e2, versine * e2 + sine * e1  # e − own rotation of e
+            turns += [*left, zero, zero]
+            shifts += [cross(foot, left[0]), cross(foot, left[1]), *left]
         for joint, rate in self._rates():
-            turns.append(rate[..., None] * spins[joint][0])
-            shifts.append(rate[..., None] * spins[joint][1])
-        drive = np.add.reduceat(2 * ((-self.s - self.c * self.unknowns.z[:, None]) / self.factors).imag, self.first, -1)
-        for found, part in ((turns, 0), (shifts, 1)):
-            found.append(sum(drive[..., n, None] * spin[part] for n, spin in enumerate(spins)))
-        return np.stack(turns, axis=2), np.stack(shifts, axis=2)
+            turns.append(rate * spins[joint][0])
+            shifts.append(rate * spins[joint][1])
+        drive = np.add.reduceat(2 * ((-self.s - self.c * self.unknowns.z[:, None]) / self.factors).imag, self.first)
+        turns.append(sum(rate * axis for rate, (axis, _) in zip(drive, spins, strict=True)))
+        shifts.append(sum(rate * moment for rate, (_, moment) in zip(drive, spins, strict=True)))
+        return np.stack(turns), np.stack(shifts)
 
     def _rates(self) -> list[tuple[int, Array]]:
         """How fast the joints turn by the parts x and y of all z but the last."""
-        owner = np.repeat(np.arange(len(self.joints)), self.joints)
+        owner = [n for n, count in enumerate(self.joints) for _ in range(count)][:-1]
         slope = -2 * self.s / self.factors
-        return [
-            (int(owner[n]), rate) for n in range(len(owner) - 1) for rate in (slope[..., n].imag, slope[..., n].real)
-        ]
+        return [(joint, rate) for n, joint in enumerate(owner) for rate in (slope[n].imag, slope[n].real)]
 
 
 def cross(a: Array, b: Array) -> Array:
-    """The vector product."""
-    a1, a2, a3, b1, b2, b3 = (x[..., n] for x in (a, b) for n in range(3))
-    return np.stack([a2 * b3 - a3 * b2, a3 * b1 - a1 * b3, a1 * b2 - a2 * b1], axis=-1)
+    """The vector product, of shapes (..., 3, data, chains)."""
+    a1, a2, a3, b1, b2, b3 = (x[..., n, :, :] for x in (a, b) for n in range(3))
+    product = np.empty(np.broadcast_shapes(a.shape, b.shape))
+    product[..., 0, :, :] = a2 * b3 - a3 * b2
+    product[..., 1, :, :] = a3 * b1 - a1 * b3
+    product[..., 2, :, :] = a1 * b2 - a2 * b1
+    return product
 
 
 def normals_of(l: Array) -> tuple[Array, Array]:
-    """Two unit vectors perpendicular to each other and to unit vectors."""
-    e1 = cross(l, np.eye(3)[np.abs(l).argmin(axis=-1)])
-    e1 = e1 / np.linalg.norm(e1, axis=-1, keepdims=True)
-    return e1, cross(l, e1)
+    """Two unit vectors perpendicular to unit vectors, shape (3, ...), and to each other: e1 × e2 = l.
+
+    The formula of Duff et al. (2017), which divides by no small number.
+    """
+    sign = np.copysign(1.0, l[2])
+    a = -1 / (sign + l[2])
+    b = l[0] * l[1] * a
+    first = np.stack([1 + sign * l[0] * l[0] * a, sign * b, -sign * l[0]])
+    return first, np.stack([b, sign + l[1] * l[1] * a, -l[1]])
 
 
 def quaternion_product(a: Array, b: Array) -> Array:
-    """The product of quaternions (scalar, vector), shape (..., 4)."""
-    scalar = a[..., :1] * b[..., :1] - (a[..., 1:] * b[..., 1:]).sum(-1, keepdims=True)
-    vector = a[..., :1] * b[..., 1:] + b[..., :1] * a[..., 1:] + cross(a[..., 1:], b[..., 1:])
-    return np.concatenate([scalar, vector], axis=-1)
+    """The product of quaternions (scalar, vector), shape (4, data, chains)."""
+    scalar = a[0] * b[0] - a[1] * b[1] - a[2] * b[2] - a[3] * b[3]
+    return np.concatenate([scalar[None], a[0] * b[1:] + b[0] * a[1:] + cross(a[1:], b[1:])])
 
 
 def rotation_matrix(q: Array) -> Array:
-    """The matrices of unit quaternions, shape (..., 3, 3)."""
-    w, x, y, z = np.moveaxis(q, -1, 0)
-    rows = (
-        (1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)),
-        (2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)),
-        (2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)),
-    )
-    return np.stack([np.stack(row, axis=-1) for row in rows], axis=-2)
+    """The matrices of unit quaternions, shape (3, 3, data, chains)."""
+    w, x, y, z = q
+    a, b, c = 2 * x, 2 * y, 2 * z
+    xx, yy, zz, xy, yz, zx, wx, wy, wz = a * x, b * y, c * z, a * y, b * z, c * x, w * a, w * b, w * c
+    rows = (1 - yy - zz, xy - wz, zx + wy), (xy + wz, 1 - xx - zz, yz - wx), (zx - wy, yz + wx, 1 - xx - yy)
+    return np.stack([np.stack(row) for row in rows])
 
 
 def _image(rotation: Array, x: Array) -> Array:
-    return np.einsum("...ij,...j->...i", rotation, x)
+    return rotation[:, 0] * x[0] + rotation[:, 1] * x[1] + rotation[:, 2] * x[2]
+
+
+def _dot(twists: Array, vectors: Array) -> Array:
+    """The inner products of (twists, 3, data, chains) and (vectors, 3, data, chains)."""
+    a, b, c = (twists[:, None, n] * vectors[:, n] for n in range(3))
+    return a + b + c
+
+
+def _columns(rows: Array) -> Array:
+    """The components first, for all chains."""
+    return rows.T[..., None]

@@ -49,6 +49,13 @@ class Problem:
     parameters: tuple[float, ...]
 
 
+def random_problem(kinds, *, seed: int) -> tuple[DualQuaternion, tuple[task.Datum, ...]]:
+    """A home pose and data of given kinds that have nothing to do with each other."""
+    random = np.random.default_rng(seed)
+    home = _pose(random, 1.0)
+    return home, tuple(datum(kind, _pose(random, 1.0), random, 1.0) for kind in kinds)
+
+
 def problem(kinds, joints=(2, 1), *, seed: int, length: float = 1.0, place=(0, 0, 0)) -> Problem:
     """Data of given kinds along a random motion of a chain whose joints have so many factors."""
     random = np.random.default_rng(seed)
