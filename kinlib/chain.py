@@ -18,7 +18,7 @@ from kinlib.line import Line
 from kinlib.poses import middle_of
 from kinlib.projective import null_space
 from kinlib.rows import broadcast
-from kinlib.scalar import ROUNDING, RTOL, as_float, is_exact, is_zero
+from kinlib.scalar import ROUNDING, RTOL, angle_of, as_float, is_exact, is_zero, root_of
 from kinlib.shown import html_table as html_table
 from kinlib.shown import in_words
 from kinlib.typing import Array, ArrayLike, Degenerate, PointLike
@@ -288,8 +288,7 @@ give angles that close it, or rtol= if the numbers are rounded
         the offset is 0.
         """
         directions, feet = self.lines.directions, self._perpendiculars
-        twists = _angle_about(feet.direction, directions, np.roll(directions, -1, axis=-2))
-        offsets = _dot(feet.start - np.roll(feet.end, 1, axis=-2), directions)
+        twists, offsets = _twists_and_offsets(directions, feet.direction, feet.start, feet.end)
         columns = (feet.distance, np.where(twists < ROUNDING - np.pi, np.pi, twists), offsets)
         return [DHRow(*(plain(column[..., n]) for column in columns)) for n in range(self.joint_count)]
 
@@ -491,7 +490,28 @@ def _dot(x: Array, y: Array) -> Array:
 
 def _angle_about(axis: Array, x: Array, y: Array) -> Array:
     """The angle from x to y about an axis of length 1, from −π to π."""
-    return np.arctan2(_dot(np.cross(x, y), axis), _dot(x, y))
+    return angle_of(_dot(np.cross(x, y), axis), _dot(x, y))
+
+
+def link_columns(directions: Array, start: Array, end: Array) -> tuple[Array, Array, Array]:
+    """Distances, twists and offsets of links with given ends, for any scalars.
+
+    Parameters
+    ----------
+    directions : array, shape (n, 3)
+        Of the axes, of length 1.
+    start, end : array, shape (n, 3)
+        The feet of the common perpendicular of each axis and the next, which differ.
+    """
+    way = end - start
+    distance = root_of(_dot(way, way))
+    return distance, *_twists_and_offsets(directions, way / distance[..., None], start, end)
+
+
+def _twists_and_offsets(directions: Array, normals: Array, start: Array, end: Array) -> tuple[Array, Array]:
+    """The angle of each axis and the next about their normal, and what lies between two feet on each axis."""
+    twists = _angle_about(normals, directions, np.roll(directions, -1, axis=-2))
+    return twists, _dot(start - np.roll(end, 1, axis=-2), directions)
 
 
 def _perpendiculars(directions: Array, points: Array, tiny: Array) -> Perpendiculars:

@@ -22,8 +22,23 @@ import numpy as np
 from numpy.typing import NDArray
 
 __all__ = [
-    "PARALLEL", "ROUNDING", "RTOL", "RTOL_SINGLE", "ArrayLike", "ScalarLike", "Scalars", "as_float", "as_scalars",
-    "check_finite", "divide", "imaginary_unit", "is_exact", "is_zero", "size",
+    "PARALLEL",
+    "ROUNDING",
+    "RTOL",
+    "RTOL_SINGLE",
+    "ArrayLike",
+    "ScalarLike",
+    "Scalars",
+    "angle_of",
+    "as_float",
+    "as_scalars",
+    "check_finite",
+    "divide",
+    "imaginary_unit",
+    "is_exact",
+    "is_zero",
+    "root_of",
+    "size",
 ]  # fmt: skip
 
 RTOL = 1e-9
@@ -244,6 +259,32 @@ def _exact_quotient(x: Any, y: Any) -> Any:
 
 
 _quotient = np.frompyfunc(_exact_quotient, 2, 1)
+
+
+def root_of(x: Any) -> Any:
+    """The square root to the digits of floats, as a float or, of exact numbers, as a fraction.
+
+    Scalars that have a root of their own, since they write formulas down, keep to it.
+    """
+    return _root_of(x) if np.asarray(x).dtype == object else np.sqrt(x)
+
+
+def angle_of(y: Any, x: Any) -> Any:
+    """The angle of the points (x, y), likewise."""
+    return _angle_of(y, x) if object in (np.asarray(y).dtype, np.asarray(x).dtype) else np.arctan2(y, x)
+
+
+def _root(x: Any) -> Any:
+    return x.sqrt() if hasattr(x, "sqrt") else Fraction(math.sqrt(x))
+
+
+def _angle(y: Any, x: Any) -> Any:
+    if hasattr(y, "arctan2"):
+        return y.arctan2(x)
+    return x.rarctan2(y) if hasattr(x, "rarctan2") else Fraction(math.atan2(y, x))
+
+
+_root_of, _angle_of = np.frompyfunc(_root, 1, 1), np.frompyfunc(_angle, 2, 1)
 
 
 def is_zero(values: ArrayLike, scale: Any = 1.0, rtol: Any = RTOL) -> Any:

@@ -87,7 +87,9 @@ ORDER = [
     "pictures.page",
     "pictures.scene",
     "pictures.moving",
+    "pictures.controls",
     "pictures.explorable",
+    "pictures.explorable_5r",
 ]
 
 PUBLIC = [

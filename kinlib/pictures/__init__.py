@@ -23,6 +23,7 @@ try:
         link_colours,
         link_names,
     )
+    from kinlib.pictures.controls import Choice, Pad, Slider, Turn
     from kinlib.pictures.draw import (
         draw_curve,
         draw_frames,
@@ -35,7 +36,8 @@ try:
         on_hyperboloid,
         write_picture,
     )
-    from kinlib.pictures.explorable import ExplorableScene, goldberg_scene
+    from kinlib.pictures.explorable import ExplorableScene, Seen, Trail, explorable_scene
+    from kinlib.pictures.explorable_5r import goldberg_scene, linkage_seen
     from kinlib.pictures.formula import Formula, record
     from kinlib.pictures.joint_angles import draw_joint_angles
     from kinlib.pictures.moving import dyad_scene, linkage_scene, linkages_side_by_side
@@ -60,15 +62,21 @@ __all__ = [
     "VERMILION",
     "YELLOW",
     "Ball",
+    "Choice",
     "Curve",
     "ExplorableScene",
     "Formula",
     "Frame",
     "Label",
+    "Pad",
     "Rod",
     "Scene",
     "SceneGrid",
+    "Seen",
+    "Slider",
     "Surface",
+    "Trail",
+    "Turn",
     "draw_bonds",
     "draw_curve",
     "draw_frames",
@@ -80,10 +88,12 @@ __all__ = [
     "draw_path",
     "draw_positions",
     "dyad_scene",
+    "explorable_scene",
     "goldberg_scene",
     "link_colours",
     "link_names",
     "linkage_scene",
+    "linkage_seen",
     "linkages_side_by_side",
     "on_hyperboloid",
     "plane_axes",

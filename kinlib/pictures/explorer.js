@@ -1,227 +1,374 @@
-// What a reader can change in a scene: a point of a plane and a choice; the linkage follows by recorded formulas.
+// What a reader can change in a scene: points of planes, sliders and choices; what is seen follows by formulas that were
+// recorded from kinlib.  There is no mathematics here: rods go from point to point.
+//
+// window.kinlib then has, besides what every scene has:
+//   parameters        names and values, the choices by their numbers
+//   set(name, value)  another value of a parameter
+//   choose(name, n)   another choice
+//   axes()            the half-turns of what is shown, at home; null where nothing is shown
+//   table()           the numbers of the table, row by row; null where nothing is shown
+//   points()          the points through which parts are laid, at this moment, in units of length
+//   trouble()         why nothing is shown, in words
+//   recipe            what was recorded
 "use strict";
 window.explore = (recording, { state, draw, frame }) => {
-  const { explorer: given, cells: [{ unit, centre }], frames } = recording;
-  const formula = (text) => Function(`"use strict";return ${text}`)();
-  const shapes = formula(given.shapes);
-  const motions = given.motions.map(formula);
-  const start = given.start.slice();
-  const point = start.slice();
-  let chosen = given.choice;
-  let now = null; // what the formulas say of all linkages
-  let wrong = ""; // what is wrong with the point, in words
-  let group = null; // three.js's, with all that is drawn
-  let pieces = [];
-  let trail = null;
+  const { explorer: given, cells: [cell], frames } = recording;
+  const { unit, centre } = cell;
+  const { controls, inputs } = given;
+  const formulas = given.formulas.map((text) => Function(`"use strict";return ${text}`)());
+  const choices = controls.filter(({ kind }) => kind === "choice");
+  const namesOf = (control) => control.names || [control.name];
+  const start = Object.fromEntries(controls.flatMap((c) => namesOf(c).map((name, k) => [name, [c.start].flat()[k]])));
+  const values = { ...start };
+  let now = null; // what the formula says
+  let wrong = ""; // why nothing is shown
   let dragging = false;
-  let box = null; // where the pad is
 
-  // ---- the page
-  const make = (tag, attributes, parent, text) => {
+  // ---- formulas ---------------------------------------------------------------------------------------------
+
+  const which = () => choices.reduce((n, { name, options }) => n * options.length + values[name], 0);
+  const FAR = 1e9; // stands for infinity
+
+  // Between two frames the turn goes on evenly.
+  function parameter(at) {
+    const turns = given.turns[which()];
+    const first = Math.floor(at) % frames;
+    const step = turns[(first + 1) % frames] - turns[first];
+    const whole = 2 * Math.PI;
+    const angle = turns[first] + (at - Math.floor(at)) * (step - whole * Math.round(step / whole));
+    return Math.min(Math.max(1 / Math.tan(angle / 2), -FAR), FAR);
+  }
+  const evaluate = (at) => formulas[which()](...inputs.map((name) => (name === given.turn ? parameter(at) : values[name])));
+
+  function judge() {
+    const near = (limit) => given.bad.find((_, n) => !(Math.abs(now.bad[n]) > limit));
+    const finite = [now.points, now.axes, now.table].every((rows) => rows.flat().every(Number.isFinite));
+    wrong = near(given.near) || (finite ? "" : "the numbers run away");
+    if (wrong) return [`${given.nothing}: ${wrong}.`];
+    const close = near(given.close);
+    const said = given.words.map((pair, n) => pair[now.signs[n] > 0 ? 0 : 1]);
+    return [...said, ...(close ? [`Nearly so: ${close}.`] : [])];
+  }
+
+  // ---- the page ---------------------------------------------------------------------------------------------
+
+  function make(tag, attributes, parent, text) {
     const made = document.createElement(tag);
     for (const [name, value] of Object.entries(attributes)) made.setAttribute(name, value);
     if (text) made.textContent = text;
     if (parent) parent.append(made);
     return made;
-  };
+  }
+  const minus = (text) => text.replace("-", "−");
+  const short = (x, digits = 3) => (Math.abs(x) < 0.5 * 10 ** -digits ? "0" : minus(x.toFixed(digits)));
+
   document.body.classList.add("explorable");
-  const panel = make("section", { class: "panel", "aria-label": "Parameters" }, document.body);
-  const pad = make("div", { class: "pad", tabindex: "0", role: "application", "aria-roledescription": "point in a plane",
-    "aria-label": `${given.pad}: arrow keys move it, Home brings it back` }, panel);
-  make("img", { src: given.picture, alt: "", draggable: "false" }, pad);
-  const dot = make("i", { class: "dot" }, pad);
-  const second = make("i", { class: "dot partner" }, pad);
+  const panel = make("section", { class: "panel", "aria-label": "What can be changed" }, document.body);
+  const makers = { pad: addPad, slider: addSlider, choice: addChoice };
+  const updates = controls.map((control) => makers[control.kind](control));
   const bar = make("p", { class: "choices" }, panel);
-  const select = make("select", {}, make("label", {}, bar, `${given.chooser} `));
-  given.choices.forEach((name, n) => make("option", { value: n }, select, name));
-  const reset = make("button", { type: "button", class: "word" }, bar, "Reset");
-  const link = make("a", { class: "word" }, bar, "Link to this");
+  make("button", { type: "button", class: "word" }, bar, "Reset").addEventListener("click", () => change(start));
+  const link = make("a", { class: "word", target: "_parent" }, bar, "Link to this");
   const status = make("p", { class: "status", "aria-live": "polite" }, panel);
   const table = make("table", {}, panel);
-  const place = ([x, y]) => given.limits.map(([low, high], k) => 100 * ([x, y][k] - low) / (high - low));
-  const move = (tag, where) => {
-    const [left, top] = place(where);
-    tag.hidden = !(left >= 0 && left <= 100 && top >= 0 && top <= 100);
-    tag.style.left = `${left}%`;
-    tag.style.top = `${100 - top}%`;
-  };
-  const short = (x) => (Math.abs(x) < 5e-4 ? "0" : x.toFixed(3)).replace("-", "−");
+  const entries = [];
+  if (given.columns.length) {
+    make("caption", {}, table, given.caption);
+    const head = make("tr", {}, make("thead", {}, table));
+    ["", ...given.columns.map(([name]) => name)].forEach((name) => make(name ? "th" : "td", name ? { scope: "col" } : {}, head, name));
+    const body = make("tbody", {}, table);
+    given.rows.forEach((name) => {
+      const line = make("tr", {}, body);
+      make("th", { scope: "row" }, line, name);
+      entries.push(given.columns.map(() => make("td", {}, line)));
+    });
+  }
+
+  function addPad({ names, label, dot, limits, pictures, marks }) {
+    const pad = make("div", { class: "pad", tabindex: 0, role: "slider", "aria-label": label, "aria-roledescription": "point in a plane",
+      "aria-valuemin": limits[0][0], "aria-valuemax": limits[0][1] }, panel);
+    const picture = make("img", { alt: "", draggable: "false" }, pad);
+    const others = marks.map((name) => make("i", { class: "dot partner", "data-name": name }, pad));
+    const own = make("i", { class: "dot", "data-name": dot }, pad);
+    const fields = make("p", { class: "fields" }, panel);
+    const boxes = names.map((name) => {
+      const box = make("input", { type: "number", step: 0.01 }, make("label", {}, fields, `${name} `));
+      box.addEventListener("change", () => Number.isFinite(box.valueAsNumber) && change({ [name]: box.valueAsNumber }));
+      return box;
+    });
+    const inside = (x, k) => Math.min(Math.max(x, limits[k][0]), limits[k][1]);
+    const go = (point) => change(Object.fromEntries(names.map((name, k) => [name, inside(point[k], k)])));
+    const move = (tag, point) => {
+      const [left, top] = limits.map(([low, high], k) => 100 * (point[k] - low) / (high - low));
+      tag.hidden = !(left >= 0 && left <= 100 && top >= 0 && top <= 100);
+      tag.style.left = `${left}%`;
+      tag.style.top = `${100 - top}%`;
+    };
+    let box = null; // where the pad is
+    const drag = (event) => {
+      const share = [(event.clientX - box.left) / box.width, 1 - (event.clientY - box.top) / box.height];
+      go(share.map((s, k) => limits[k][0] + s * (limits[k][1] - limits[k][0])));
+    };
+    pad.addEventListener("pointerdown", (event) => {
+      pad.setPointerCapture(event.pointerId);
+      dragging = true;
+      box = pad.getBoundingClientRect();
+      drag(event);
+    });
+    pad.addEventListener("pointermove", (event) => { if (pad.hasPointerCapture(event.pointerId)) drag(event); });
+    pad.addEventListener("lostpointercapture", () => {
+      dragging = false;
+      refresh();
+    });
+    const arrows = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1] };
+    pad.addEventListener("keydown", (event) => {
+      const step = arrows[event.key];
+      if (event.key === "Home") change(Object.fromEntries(names.map((name) => [name, start[name]])));
+      else if (step) go(names.map((name, k) => values[name] + step[k] * (event.shiftKey ? 0.05 : 0.005) * (limits[k][1] - limits[k][0])));
+      else return;
+      event.preventDefault();
+    });
+    return () => {
+      const point = names.map((name) => values[name]);
+      const source = pictures[which()];
+      if (picture.dataset.of !== String(source)) picture.src = given.pictures[source];
+      picture.dataset.of = source;
+      move(own, point);
+      others.forEach((tag, n) => move(tag, now.marks[n] || [NaN, NaN]));
+      boxes.forEach((entry, k) => { if (document.activeElement !== entry || !dragging) entry.value = +point[k].toFixed(4); });
+      pad.setAttribute("aria-valuenow", point[0]);
+      pad.setAttribute("aria-valuetext", names.map((name, k) => `${name} = ${short(point[k])}`).join(", "));
+    };
+  }
+
+  function addSlider({ name, label, limits: [low, high], unit: shown }) {
+    const line = make("label", { class: "slide" }, panel, `${label} `);
+    const slider = make("input", { type: "range", min: low, max: high, step: (high - low) / 400 }, line);
+    const out = make("output", {}, line);
+    slider.addEventListener("input", () => {
+      dragging = true;
+      change({ [name]: Number(slider.value) });
+    });
+    slider.addEventListener("change", () => {
+      dragging = false;
+      refresh();
+    });
+    slider.addEventListener("keydown", (event) => {
+      if (event.key !== "Home") return;
+      change({ [name]: start[name] });
+      event.preventDefault();
+    });
+    return () => {
+      slider.value = values[name];
+      out.textContent = short(values[name], 2) + shown;
+      slider.setAttribute("aria-valuetext", out.textContent);
+    };
+  }
+
+  function addChoice({ name, label, options }) {
+    const select = make("select", {}, make("label", { class: "choice" }, panel, `${label} `));
+    options.forEach((text, n) => make("option", { value: n }, select, text));
+    select.addEventListener("change", () => change({ [name]: Number(select.value) }));
+    return () => { select.value = values[name]; };
+  }
 
   function refresh() {
-    now = shapes(...point);
-    const linkage = now.linkages[chosen];
-    const near = given.bad.map((words, n) => [words, now.bad[given.plane[chosen]][n]]).find(([, far]) => !(Math.abs(far) > given.near));
-    const finite = linkage.flat(Infinity).every(Number.isFinite);
-    wrong = near ? near[0] : finite ? "" : "there is no linkage at this point";
-    status.textContent = wrong ? `No linkage here: ${wrong}.` : `z = ${short(point[0])} + √−1 · ${short(point[1])}`;
-    pad.setAttribute("aria-valuetext", status.textContent);
-    move(dot, point);
-    move(second, now.partner[given.plane[chosen]]);
-    select.value = chosen;
-    table.hidden = Boolean(wrong);
-    if (!wrong) writeTable();
-    if (window.parent === window) link.setAttribute("href", `#${hash()}`);
-    else link.textContent = hash(); // a frame has no address of its own: text to copy
-    if (group && !wrong) drawTrail();
-    if (!wrong && !dragging) show();
+    now = evaluate(state.frame);
+    const said = judge().join(" ");
+    if (status.textContent !== said) status.textContent = said;
+    updates.forEach((update) => update());
+    table.hidden = Boolean(wrong) || !entries.length;
+    if (!table.hidden) writeTable();
+    if (group && !wrong) drawTrails();
+    if (!dragging) {
+      link.setAttribute("href", address());
+      if (!wrong) show();
+    }
     draw();
   }
-  const rows = () => [["link", "distance", "twist in °", "offset"],
-    ...numbers().map(([a, b, d], n) => [`${n + 1}`, short(a), (b * 180 / Math.PI).toFixed(1).replace("-", "−"), short(d)])];
-  let cells = null;
   function writeTable() {
-    const texts = rows();
-    cells = cells || texts.map((row, n) => {
-      const line = make("tr", {}, table);
-      return row.map((_, k) => make(n && k ? "td" : "th", n ? (k ? {} : { scope: "row" }) : { scope: "col" }, line));
-    });
-    texts.forEach((row, n) => row.forEach((text, k) => {
-      if (cells[n][k].textContent !== text) cells[n][k].textContent = text;
+    entries.forEach((line, n) => line.forEach((place, k) => {
+      const [, factor, digits] = given.columns[k];
+      const text = short(factor * now.table[n][k], digits);
+      if (place.textContent !== text) place.textContent = text;
     }));
   }
-  const numbers = () => now.linkages[chosen][3];
-  const hash = () => `x=${+point[0].toFixed(4)}&y=${+point[1].toFixed(4)}&linkage=${chosen}`;
+  function change(wanted) {
+    Object.assign(values, wanted);
+    refresh();
+  }
 
-  // ---- the linkage
-  function displacements(angle) {
-    const [, , factors] = now.linkages[chosen];
-    return motions[given.motion[chosen]](...factors.flat(), Math.cos(angle / 2), Math.sin(angle / 2));
+  // ---- a link that holds the state --------------------------------------------------------------------------
+
+  let page = window; // whose address it is
+  try {
+    if (window.frameElement && parent.location.href.includes(":")) page = parent;
+  } catch { /* a page of another origin keeps its address to itself */ }
+  const number = () => (page === window ? 0 : [...parent.document.querySelectorAll("iframe.kinlib-scene")].indexOf(window.frameElement));
+  const hash = () => Object.entries(values).map(([name, value]) => `${name}=${+value.toFixed(6)}`).join("&");
+  const address = () => `${page.location.href.split("#")[0]}#scene=${number()}&${hash()}`;
+
+  function obey() {
+    const asked = new URLSearchParams(page.location.hash.slice(1));
+    if (page !== window && asked.get("scene") !== String(number())) return false;
+    const known = Object.keys(values).filter((name) => asked.has(name) && allowed(name, Number(asked.get(name))));
+    known.forEach((name) => { values[name] = Number(asked.get(name)); });
+    return known.length > 0;
   }
-  function moved([p0, p1, p2, p3, d0, d1, d2, d3], [x, y, z]) {
-    const s = 2 / (p0 * p0 + p1 * p1 + p2 * p2 + p3 * p3);
-    return [
-      x + s * (p1 * p2 * y - p0 * p3 * y + p1 * p3 * z + p0 * p2 * z - (p2 * p2 + p3 * p3) * x + p0 * d1 - d0 * p1 + p2 * d3 - p3 * d2),
-      y + s * (p1 * p2 * x + p0 * p3 * x + p2 * p3 * z - p0 * p1 * z - (p1 * p1 + p3 * p3) * y + p0 * d2 - d0 * p2 + p3 * d1 - p1 * d3),
-      z + s * (p1 * p3 * x - p0 * p2 * x + p2 * p3 * y + p0 * p1 * y - (p1 * p1 + p2 * p2) * z + p0 * d3 - d0 * p3 + p1 * d2 - p2 * d1),
-    ];
+  function allowed(name, value) {
+    const choice = choices.find((c) => c.name === name);
+    return choice ? choice.options[value] !== undefined : Number.isFinite(value);
   }
-  const { THREE } = window.MeshCat || {};
-  const three = () => THREE || window.MeshCat.THREE;
+
+  // ---- what is seen -----------------------------------------------------------------------------------------
+
+  let place = null; // three.js's node with all that is drawn
+  let group = null;
+  let drawn = -1; // which list of items
+  let pieces = [];
   const inView = (p) => p.map((x, k) => (x - centre[k]) / unit);
-  function lay(rod, from, to, thick) {
+  const three = () => window.MeshCat.THREE;
+  const shapes = {};
+  const shape = (kind) => {
+    const { CylinderGeometry, SphereGeometry } = three();
+    const makes = { rod: () => new CylinderGeometry(1, 1, 1, 20), head: () => new CylinderGeometry(0, 1, 1, 16), ball: () => new SphereGeometry(1, 20, 14) };
+    shapes[kind] = shapes[kind] || makes[kind]();
+    return shapes[kind];
+  };
+
+  function lay(piece, from, to, thick) {
     const { Vector3 } = three();
-    const [a, b] = [from, to].map((p) => new Vector3(...inView(p)));
+    const [a, b] = [new Vector3(...from), new Vector3(...to)];
     const along = b.clone().sub(a);
     const length = Math.max(along.length(), 1e-6);
-    rod.position.copy(a).add(b).multiplyScalar(0.5);
-    rod.quaternion.setFromUnitVectors(new Vector3(0, 1, 0), along.divideScalar(length));
-    rod.scale.set(thick, length, thick);
-    rod.updateMatrix();
+    piece.position.copy(a).add(b).multiplyScalar(0.5);
+    piece.quaternion.setFromUnitVectors(new Vector3(0, 1, 0), along.divideScalar(length));
+    piece.scale.set(thick, length, thick);
+    piece.updateMatrix();
   }
-  function rod(colour) {
-    const { Mesh, CylinderGeometry, MeshPhongMaterial } = three();
-    const made = new Mesh(new CylinderGeometry(1, 1, 1, 20), new MeshPhongMaterial({ color: colour }));
+  function paint({ colour, opacity }) {
+    const { MeshPhongMaterial } = three();
+    return new MeshPhongMaterial({ color: colour, opacity, transparent: opacity < 1 });
+  }
+  function solid(kind, item) {
+    const { Mesh } = three();
+    const made = new Mesh(shape(kind), paint(item));
     group.add(made);
     return made;
   }
-  function build(where) {
-    const { InstancedMesh, CylinderGeometry, MeshPhongMaterial, Group } = three();
-    group = new Group();
-    where.add(group);
-    pieces = given.colours.map((colour, n) => ({
-      bar: rod(colour), first: rod(colour), second: rod(colour), pin: rod(given.pin), arm: n === given.coupler ? rod(colour) : null,
-    }));
-    trail = new InstancedMesh(new CylinderGeometry(1, 1, 1, 8), new MeshPhongMaterial({ color: given.colours[given.coupler] }), given.steps);
-    trail.frustumCulled = false;
-    group.add(trail);
-    if (now && !wrong) drawTrail();
+  function chain(item, count) {
+    const { InstancedMesh } = three();
+    const made = new InstancedMesh(shape("rod"), paint(item), count);
+    made.frustumCulled = false;
+    group.add(made);
+    return made;
   }
-  function drawTrail() {
+  function layChain(made, path, thick, closed) {
     const { Object3D } = three();
     const piece = new Object3D();
-    const path = [...Array(given.steps).keys()].map((n) => moved(displacements(2 * Math.PI * n / given.steps)[given.coupler], given.point));
     path.forEach((p, n) => {
-      lay(piece, p, path[(n + 1) % given.steps], 0.006);
-      trail.setMatrixAt(n, piece.matrix);
+      if (!closed && n + 1 === path.length) return;
+      lay(piece, p, path[(n + 1) % path.length], thick);
+      made.setMatrixAt(n, piece.matrix);
     });
-    trail.instanceMatrix.needsUpdate = true;
+    made.instanceMatrix.needsUpdate = true;
   }
-  // All of the linkage comes into view, unless it runs far away.
+
+  // One entry a kind of item: what it is made of, and how it is laid through its points.
+  const kinds = {
+    rod: (item) => {
+      const made = solid("rod", item);
+      return ([a, b]) => lay(made, a, b, item.radius);
+    },
+    ball: (item) => {
+      const made = solid("ball", item);
+      return ([a]) => {
+        made.position.set(...a);
+        made.scale.setScalar(item.radius);
+      };
+    },
+    frame: (item) => {
+      const arrows = given.triad.map((colour) => ["rod", "head"].map((kind) => solid(kind, { colour, opacity: 1 })));
+      return ([origin, ...tips]) => tips.forEach((tip, k) => {
+        const at = (share) => origin.map((x, n) => x + share * item.size * (tip[n] - x));
+        lay(arrows[k][0], origin, at(1), item.radius);
+        lay(arrows[k][1], at(1), at(1.3), 2.2 * item.radius);
+      });
+    },
+    label: (item) => ([a]) => { cell.labels[item.label][2].splice(0, 3, ...a); },
+    curve: (item) => {
+      const made = chain(item, item.count);
+      return (path) => layChain(made, path, item.radius, item.closed);
+    },
+    trail: (item) => {
+      const made = chain(item, given.steps);
+      const lays = () => {};
+      lays.trail = (path) => layChain(made, path, item.radius, true);
+      return lays;
+    },
+  };
+
+  function build(where) {
+    place = where;
+    rebuild();
+  }
+  function rebuild() {
+    const { Group } = three();
+    if (group) place.remove(group);
+    group = new Group();
+    place.add(group);
+    drawn = given.itemsOf[which()];
+    let first = 0;
+    pieces = given.items[drawn].map((item) => {
+      first += item.count;
+      return { lays: kinds[item.kind](item), range: [first - item.count, first] };
+    });
+    if (now && !wrong) drawTrails();
+  }
+  const placed = (at) => at.points.map(inView);
+  function drawTrails() {
+    if (given.itemsOf[which()] !== drawn) {
+      rebuild();
+      return;
+    }
+    const trails = pieces.filter(({ lays }) => lays.trail);
+    if (!trails.length) return;
+    const turn = [...Array(given.steps).keys()].map((n) => placed(evaluate(n * frames / given.steps)));
+    trails.forEach(({ lays, range: [n] }) => lays.trail(turn.map((points) => points[n])));
+  }
+  // All comes into view, unless it runs far away.
   function show() {
-    const turn = [...Array(8).keys()].map((n) => displacements(Math.PI * n / 4));
-    const points = turn.flatMap((links) => links.flatMap((q, n) => [
-      ...now.linkages[chosen][1][(n + links.length - 1) % links.length].map((p) => moved(q, p)),
-      ...(n === given.coupler ? [moved(q, given.point)] : []),
-    ])).map(inView);
-    const far = (p) => Math.max(...p.map(Math.abs));
-    recording.cells[0].hull = [...given.kept, ...points.filter((p) => far(p) < 3)];
+    const count = given.turn ? 12 : 1;
+    const points = [...Array(count).keys()].flatMap((n) => placed(evaluate(n * frames / count)));
+    cell.hull = [...given.kept, ...points.filter((p) => Math.max(...p.map(Math.abs)) < 3)];
     frame();
   }
   function placeAll() {
     group.visible = !wrong;
     if (wrong) return;
-    const links = displacements(2 * Math.PI * state.frame / frames);
-    const [axes, feet] = now.linkages[chosen];
-    const count = links.length;
-    const size = 0.05 * unit;
-    pieces.forEach(({ bar, first, second, pin, arm }, n) => {
-      const at = (p) => moved(links[n], p);
-      const [before, after] = [(n + count - 1) % count, n];
-      const [from, to] = [feet[before][1], feet[before][0]].reverse();
-      lay(bar, at(from), at(to), n ? 0.018 : 0.025);
-      [[first, from, before, 1], [second, to, after, -1]].forEach(([sleeve, foot, axis, side]) => {
-        const step = axes[axis].slice(1, 4).map((x) => side * size * x);
-        lay(sleeve, at(foot), at(foot.map((x, k) => x + step[k])), 0.035);
-      });
-      const own = axes[after].slice(1, 4);
-      const next = feet[after][0];
-      lay(pin, at(to.map((x, k) => x - 1.3 * size * own[k])), at(next.map((x, k) => x + 1.3 * size * own[k])), 0.014);
-      if (arm) lay(arm, at(from), at(given.point), 0.01);
-    });
+    const points = placed(given.turn ? evaluate(state.frame) : now);
+    pieces.forEach(({ lays, range }) => lays(points.slice(...range)));
   }
 
-  // ---- the reader
-  const inside = (x, k) => Math.min(Math.max(x, given.limits[k][0]), given.limits[k][1]);
-  function go(where) {
-    where.forEach((x, k) => { point[k] = x; });
-    refresh();
-  }
-  const within = (where) => where.map(inside);
-  function drag(event) {
-    const share = [(event.clientX - box.left) / box.width, 1 - (event.clientY - box.top) / box.height];
-    go(within(share.map((s, k) => given.limits[k][0] + s * (given.limits[k][1] - given.limits[k][0]))));
-  }
-  pad.addEventListener("pointerdown", (event) => {
-    pad.setPointerCapture(event.pointerId);
-    dragging = true;
-    box = pad.getBoundingClientRect();
-    drag(event);
-  });
-  pad.addEventListener("pointermove", (event) => { if (pad.hasPointerCapture(event.pointerId)) drag(event); });
-  pad.addEventListener("lostpointercapture", () => {
-    dragging = false;
-    refresh();
-  });
-  const arrows = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1] };
-  pad.addEventListener("keydown", (event) => {
-    if (event.key === "Home") go(start);
-    else if (arrows[event.key]) go(within(point.map((x, k) => x + arrows[event.key][k] * (event.shiftKey ? 0.2 : 0.02))));
-    else return;
-    event.preventDefault();
-  });
-  select.addEventListener("change", () => state.choose(given.chooser, Number(select.value)));
-  reset.addEventListener("click", () => {
-    chosen = given.choice;
-    go(start);
-  });
-  Object.defineProperty(state, "parameters", { get: () => ({ x: point[0], y: point[1], [given.chooser]: chosen }) });
+  // ---- orders -----------------------------------------------------------------------------------------------
+
+  Object.defineProperty(state, "parameters", { get: () => ({ ...values }) });
   state.set = (name, value) => {
-    const k = ["x", "y"].indexOf(name);
-    if (k < 0 || !Number.isFinite(value)) throw new Error(`expected a number for x or y, got ${name} = ${value}`);
-    go(point.map((x, n) => (n === k ? value : x)));
+    if (!(name in values) || choices.some((c) => c.name === name)) throw new Error(`there is no parameter ${name}`);
+    if (!Number.isFinite(value)) throw new Error(`expected a number for ${name}, got ${value}`);
+    change({ [name]: value });
   };
   state.choose = (name, index) => {
-    if (name !== given.chooser || !given.choices[index]) throw new Error(`there is no ${name} ${index}`);
-    chosen = index;
-    refresh();
+    if (!choices.some((c) => c.name === name) || !allowed(name, index)) throw new Error(`there is no ${name} ${index}`);
+    change({ [name]: index });
   };
-  state.axes = () => (wrong ? null : now.linkages[chosen][0]);
-  state.table = () => (wrong ? null : numbers());
+  state.axes = () => (wrong ? null : now.axes);
+  state.table = () => (wrong ? null : now.table);
+  state.points = () => (wrong ? null : evaluate(state.frame).points);
   state.trouble = () => wrong;
   state.recipe = given.recipe;
-  const asked = new URLSearchParams(location.hash.slice(1));
-  ["x", "y"].forEach((name, k) => { if (asked.has(name) && Number.isFinite(+asked.get(name))) point[k] = +asked.get(name); });
-  if (given.choices[+asked.get("linkage")] && asked.has("linkage")) chosen = +asked.get("linkage");
+  if (obey() && page !== window) window.frameElement.scrollIntoView({ block: "center" });
+  page.addEventListener("hashchange", () => { if (obey()) refresh(); });
   queueMicrotask(refresh);
   return { build, place: () => { if (group && now) placeAll(); } };
 };

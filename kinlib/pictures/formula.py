@@ -177,6 +177,11 @@ class Traced:
         value, node = _value_and_node(other)
         return self.tape.apply("atan2", (self.node, node), math.atan2(self.value, value))
 
+    def rarctan2(self, other: Any) -> Any:
+        """The angle of the point (self, other) of a plane."""
+        value, node = _value_and_node(other)
+        return self.tape.apply("atan2", (node, self.node), math.atan2(value, self.value))
+
     def _function(self, operation: str, value: float) -> Any:
         return self.tape.apply(operation, (self.node,), value)
 
@@ -320,6 +325,7 @@ def record(
     *,
     seed: int = 0,
     rtol: float = 1e-9,
+    points: int = POINTS,
 ) -> Formula:
     """Write down what a function does to its parameters.
 
@@ -337,6 +343,8 @@ def record(
         Of the general point and of the points of comparison.
     rtol : float
         How far formula and function may differ, relative to the numbers in one row of results.
+    points : int
+        At how many points they are compared.
 
     Raises
     ------
@@ -356,10 +364,10 @@ def record(
     tape = Tape()
     inputs = {name: tape.input(name, _general(limits, chance)) for name, limits in ranges.items()}
     results = _mapped(function(**inputs), lambda leaf: Output(leaf.node) if isinstance(leaf, Traced) else float(leaf))
-    points = {name: np.array([chance.uniform(*limits) for _ in range(POINTS)]) for name, limits in ranges.items()}
-    _check_comparisons(tape, points)
+    places = {name: np.array([chance.uniform(*limits) for _ in range(points)]) for name, limits in ranges.items()}
+    _check_comparisons(tape, places)
     formula = Formula(tuple(ranges), *_needed(tape.steps, len(ranges), results))
-    _check_values(formula, function, points, rtol)
+    _check_values(formula, function, places, rtol)
     return formula
 
 
@@ -400,7 +408,7 @@ def _check_comparisons(tape: Tape, points: Mapping[str, np.ndarray]) -> None:
         found = _run(tape.steps, points)
     for sign, left, right, answer, where in tape.comparisons:
         a, b = (found[node] if isinstance(node, int) else node for node in (left, right))
-        other = np.broadcast_to(_COMPARE[sign](a, b), (POINTS,)) != answer
+        other = np.broadcast_to(_COMPARE[sign](a, b), next(iter(points.values())).shape) != answer
         if other.any():
             raise ValueError(
                 f"{where}: the answer of the comparison {sign} changes within the ranges, for instance at "
@@ -412,7 +420,7 @@ def _check_values(
     formula: Formula, function: Callable[..., Any], points: Mapping[str, np.ndarray], rtol: float
 ) -> None:
     """Compare the formula with the function, each row of results by its largest number."""
-    for n in range(POINTS):
+    for n in range(next(iter(points.values())).size):
         point = {name: float(values[n]) for name, values in points.items()}
         results, wanted = formula.evaluate(**point), _mapped(function(**point), float)
         rounded = 1e-3 * min(1.0, max(map(abs, _leaves(wanted)), default=0.0) or 1.0)  # of rows that should be zero
@@ -422,7 +430,8 @@ def _check_values(
             if not gap <= rtol * scale:
                 raise ValueError(
                     f"the formula is not the function: at {_at(points, n)} they differ by {gap / scale:.3g} of the "
-                    "size; the function lost track of a parameter (by float()), or chose by its value"
+                    "size; the function lost track of a parameter (by float(), or beside a float: write 0.1 as "
+                    "Fraction(1, 10)), or chose by its value"
                 )
 
 

@@ -1,0 +1,165 @@
+"""What a reader can change in a scene: a point of a plane, a number, one of several things, and time."""
+
+from __future__ import annotations
+
+import base64
+import io
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from itertools import product
+from typing import TypeAlias
+
+import matplotlib.pyplot as plt
+import numpy as np
+
+from kinlib.pictures.shapes import Table
+
+__all__ = ["Choice", "Control", "Pad", "Slider", "Turn"]
+
+Range: TypeAlias = tuple[float, float]
+
+
+@dataclass(frozen=True)
+class Pad:
+    """Two parameters, the coordinates of a point that is dragged in a plane.
+
+    Parameters
+    ----------
+    names : (str, str)
+        What the parameters are called.
+    x, y : (float, float)
+        Between which numbers they run.
+    start : (float, float)
+        Where the point is at first.
+    label : str
+        What the point is, in words.
+    dot : str
+        The letters that are written next to it.
+    draw : callable, optional
+        Draws what lies under the point: ``draw(axes, **choices)``, on axes of matplotlib that fill the pad.
+    marks : sequence of str
+        What further points are called, which the function gives as ``marks``.
+    """
+
+    names: tuple[str, str]
+    x: Range
+    y: Range
+    start: tuple[float, float]
+    label: str = "point"
+    dot: str = ""
+    draw: Callable[..., None] | None = None
+    marks: Sequence[str] = ()
+
+    def table(self) -> Table:
+        """For the page."""
+        return {
+            "kind": "pad", "names": list(self.names), "label": self.label, "dot": self.dot,
+            "limits": [list(self.x), list(self.y)], "start": [float(x) for x in self.start], "marks": list(self.marks),
+        }  # fmt: skip
+
+    def ranges(self) -> dict[str, Range]:
+        """The ranges of the parameters."""
+        return dict(zip(self.names, (self.x, self.y), strict=True))
+
+    def picture(self, choices: dict[str, int]) -> str:
+        """What lies under the point, as the address of a picture that fills the pad."""
+        figure = plt.figure(figsize=(2.6, 2.6 * (self.y[1] - self.y[0]) / (self.x[1] - self.x[0])))
+        ax = figure.add_axes((0, 0, 1, 1))
+        ax.set(xlim=self.x, ylim=self.y)
+        ax.set_axis_off()
+        if self.draw is not None:
+            self.draw(ax, **choices)
+        out = io.BytesIO()
+        figure.savefig(out, format="png", dpi=180, transparent=True, metadata={"Software": None})
+        plt.close(figure)
+        return "data:image/png;base64," + base64.b64encode(out.getvalue()).decode()
+
+
+@dataclass(frozen=True)
+class Slider:
+    """A parameter that runs from one number to another; the unit is written after its value."""
+
+    name: str
+    low: float
+    high: float
+    start: float
+    label: str = ""
+    unit: str = ""
+
+    def table(self) -> Table:
+        """For the page."""
+        return {
+            "kind": "slider", "name": self.name, "label": self.label or self.name,
+            "limits": [self.low, self.high], "start": float(self.start), "unit": self.unit,
+        }  # fmt: skip
+
+    def ranges(self) -> dict[str, Range]:
+        """The range of the parameter."""
+        return {self.name: (self.low, self.high)}
+
+
+@dataclass(frozen=True)
+class Choice:
+    """A parameter that is the number 0, 1, … of one of several options, which have names."""
+
+    name: str
+    options: Sequence[str]
+    start: int = 0
+    label: str = ""
+
+    def table(self) -> Table:
+        """For the page."""
+        return {
+            "kind": "choice", "name": self.name, "label": self.label or self.name,
+            "options": list(self.options), "start": self.start,
+        }  # fmt: skip
+
+    def ranges(self) -> dict[str, Range]:
+        """A choice has no range: the function is recorded for each option."""
+        return {}
+
+
+@dataclass(frozen=True)
+class Turn:
+    """A parameter t that runs by itself: t = cot(½ angle), once around.
+
+    Parameters
+    ----------
+    name : str
+        What the parameter is called.
+    angles : callable, optional
+        ``angles(**choices)`` gives the angles at all frames, in radians, shape (frames,); even ones if not given.
+    frames : int
+        How many there are.
+    """
+
+    name: str = "t"
+    angles: Callable[..., np.ndarray] | None = None
+    frames: int = 120
+
+    def at(self, choices: dict[str, int]) -> np.ndarray:
+        """The angles at all frames."""
+        if self.angles is None:
+            return np.linspace(0, 2 * np.pi, self.frames, endpoint=False)
+        return np.asarray(self.angles(**choices), dtype=float)
+
+
+Control: TypeAlias = Pad | Slider | Choice
+
+
+def combinations(controls: Sequence[Control]) -> Iterator[dict[str, int]]:
+    """All ways to choose, the last choice running fastest."""
+    choices = [control for control in controls if isinstance(control, Choice)]
+    for picked in product(*(range(len(choice.options)) for choice in choices)):
+        yield dict(zip((choice.name for choice in choices), picked, strict=True))
+
+
+def starts(controls: Sequence[Control]) -> dict[str, float]:
+    """Where all parameters are at first."""
+    found: dict[str, float] = {}
+    for control in controls:
+        if isinstance(control, Pad):
+            found |= dict(zip(control.names, map(float, control.start), strict=True))
+        else:
+            found[control.name] = control.start
+    return found
