@@ -37,7 +37,7 @@ try:
         write_picture,
     )
     from kinlib.pictures.explorable import ExplorableScene, Seen, Trail, explorable_scene
-    from kinlib.pictures.explorable_5r import goldberg_scene, linkage_seen
+    from kinlib.pictures.explorable_5r import goldberg_scene, linkage_seen, map_scene
     from kinlib.pictures.formula import Formula, record
     from kinlib.pictures.joint_angles import draw_joint_angles
     from kinlib.pictures.moving import dyad_scene, linkage_scene, linkages_side_by_side
@@ -95,6 +95,7 @@ __all__ = [
     "linkage_scene",
     "linkage_seen",
     "linkages_side_by_side",
+    "map_scene",
     "on_hyperboloid",
     "plane_axes",
     "record",

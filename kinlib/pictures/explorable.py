@@ -273,10 +273,12 @@ def _explorer(sights: Sequence[_Sight], stage: _Stage, example: Seen) -> Table:
     start = starts(controls)
     items: list[Any] = []
     pictures: list[Any] = []
+    formulas: list[str] = []
     lists = [_place_in(items, _items(sight.seen(start, 1.0), stage)) for sight in sights]
+    which = [_place_in(formulas, sight.formula()) for sight in sights]
     return {
         "inputs": list(sights[0].ranges()),
-        "formulas": [sight.formula() for sight in sights],
+        "formulas": formulas, "formulaOf": which,
         "controls": [control.table() | _pictures(control, sights, pictures) for control in controls],
         "pictures": pictures,
         "turn": turn.name if turn else "",

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
 from fractions import Fraction
-from functools import partial
+from functools import cached_property, partial
 from typing import Any
 
 import numpy as np
@@ -18,7 +19,7 @@ from kinlib.line import Line, common_perpendicular
 from kinlib.linkage import Linkage
 from kinlib.pictures.bars import Bars
 from kinlib.pictures.colours import COUPLER, INK, PIN, PURPLE, link_colours, link_names
-from kinlib.pictures.controls import Choice, Pad, Turn
+from kinlib.pictures.controls import Choice, Control, Pad, Turn
 from kinlib.pictures.explorable import ExplorableScene, Seen, Trail, explorable_scene
 from kinlib.pictures.parts import Frame, Rod
 from kinlib.pictures.turn import one_turn
@@ -27,7 +28,7 @@ from kinlib.scalar import as_float, root_of
 from kinlib.typing import PoseLike
 from kinlib.z_plane import ZFault, ZPlane, z_planes
 
-__all__ = ["goldberg_scene", "linkage_seen"]
+__all__ = ["goldberg_scene", "linkage_seen", "map_scene"]
 
 FRAMES = 120
 
@@ -59,31 +60,115 @@ def goldberg_scene(
     **options
         More of what `explorable_scene` takes: ``seconds``, ``view``, ``height``.
     """
-    p0, p1, p2 = as_poses(*poses)
-    planes = z_planes(p0, p1, p2)
-    drawn = z_planes(*(p.astype(float) for p in (p0, p1, p2)))
-    examples = [linkage for plane in planes for linkage in plane.linkages(z)]
-    size = exactly(Bars.of(examples[choice]).size)
-    _, places = one_turn(Bars.of(examples[choice]), FRAMES, _stops(examples[choice]))
-    return explorable_scene(
-        partial(_seen, planes, _exact_point(point), size),
-        [
-            Pad(("x", "y"), *_limits(drawn, z), z, "the number z", "z", partial(draw_z_plane, drawn), ("z₂",)),
-            Choice("linkage", [f"{n + 1}: {PLACES[n // 2].removesuffix(': ')}" for n in range(8)], choice),
-        ],
-        turn=Turn("t", lambda linkage: _angles(examples[linkage], places), FRAMES),
-        fixed=[
-            Frame(pose, 0.3 * float(size), f"p{'₀₁₂'[n]}", lights_at=int(places[n]))
-            for n, pose in enumerate((p0, p1, p2))
-        ],
-        columns=DH_COLUMNS,
-        caption="Denavit–Hartenberg rows, link by link",
-        nothing="No linkage here",
-        legend=[*zip(link_names(examples[choice]), link_colours(examples[choice]), strict=True)],
-        recipe={"poses": [[float(c) for c in p.coeffs] for p in (p0, p1, p2)]},
-        alt=alt,
-        **options,
+    shown = _FiveBars.of(poses, z, choice, point)
+    names = [f"{n + 1}: {PLACES[n // 2].removesuffix(': ')}" for n in range(8)]
+    pad = Pad(("x", "y"), *_limits(shown.drawn, z), z, "the number z", "z", partial(_draw, shown.drawn), ("z₂",))
+    return shown.scene(shown.seen, [pad, Choice("linkage", names, choice)], alt, options)
+
+
+def map_scene(
+    poses: Sequence[PoseLike],
+    z: tuple[float, float],
+    maps: Mapping[str, Callable[[Axes], None]],
+    *,
+    alt: str,
+    x: tuple[float, float],
+    y: tuple[float, float],
+    choice: int = 4,
+    point: Sequence[float | Fraction] = (0, 0, 0),
+    **options: Any,
+) -> ExplorableScene:
+    """One of the eight 5R linkages through three exact poses: the reader moves z over maps of its plane.
+
+    Parameters
+    ----------
+    maps : mapping of str to callable
+        By their names, what draws the maps: ``draw(axes)`` on axes of matplotlib that fill the pad.
+    x, y : (float, float)
+        The part of the plane in which z can be moved.
+    poses, z, alt, choice, point, **options
+        As for `goldberg_scene`.
+    """
+    shown = _FiveBars.of(poses, z, choice, point)
+
+    def draw(ax: Axes, map: int) -> None:
+        list(maps.values())[map](ax)
+        _draw(shown.drawn, ax, choice)
+
+    def seen(map: int, **parameters: Any) -> Seen:
+        return shown.seen(linkage=choice, **parameters)
+
+    return shown.scene(
+        seen, [Pad(("x", "y"), x, y, z, "the number z", "z", draw, ("z₂",)), Choice("map", list(maps))], alt, options
     )
+
+
+@dataclass(frozen=True)
+class _FiveBars:
+    """The eight linkages for any z: the planes of z, exact and in floats, and those of one z."""
+
+    poses: Sequence[DualQuaternion]
+    planes: Sequence[ZPlane]
+    drawn: Sequence[ZPlane]
+    examples: Sequence[Linkage]
+    choice: int
+    point: Sequence[float | Fraction]
+
+    @classmethod
+    def of(
+        cls, poses: Sequence[PoseLike], z: tuple[float, float], choice: int, point: Sequence[float | Fraction]
+    ) -> _FiveBars:
+        p0, p1, p2 = as_poses(*poses)
+        planes = z_planes(p0, p1, p2)
+        drawn = z_planes(*(p.astype(float) for p in (p0, p1, p2)))
+        examples = [linkage for plane in planes for linkage in plane.linkages(z)]
+        return cls((p0, p1, p2), planes, drawn, examples, choice, [exactly(float(c)) for c in point])
+
+    @cached_property
+    def size(self) -> Fraction:
+        """The length in which thicknesses are measured."""
+        return exactly(Bars.of(self.examples[self.choice]).size)
+
+    @cached_property
+    def places(self) -> np.ndarray:
+        """The frames at which the poses are met."""
+        example = self.examples[self.choice]
+        return one_turn(Bars.of(example), FRAMES, _stops(example))[1]
+
+    def angles(self, linkage: int | None = None, **_: int) -> np.ndarray:
+        """The angles with t = cot(½ angle) at an even pace, the poses at their frames."""
+        example = self.examples[self.choice if linkage is None else linkage]
+        t, _places = one_turn(Bars.of(example), FRAMES, _stops(example), self.places)
+        return np.where(np.isinf(t), 0.0, 2 * np.arctan2(1.0, t))
+
+    def seen(self, x: Any, y: Any, linkage: int, t: Any) -> Seen:
+        """One of the eight linkages at t, its table, and how far z is from the bad places."""
+        plane = self.planes[linkage // 2]
+        partner = plane.partner((x, y))
+        seen = linkage_seen(plane.linkages((x, y))[linkage % 2], t, point=self.point, size=self.size)
+        turns = (y * partner[1], "The joint of z turns twice.", "The joint of z swings: it turns forth and back.")
+        return replace(seen, marks=[partner], bad=_distances(plane, x, y, *partner), words=[turns])
+
+    def scene(
+        self, seen: Callable[..., Seen], controls: Sequence[Control], alt: str, options: dict[str, Any]
+    ) -> ExplorableScene:
+        """The scene, with the poses that light up."""
+        example, size = self.examples[self.choice], 0.3 * float(self.size)
+        return explorable_scene(
+            seen,
+            controls,
+            turn=Turn("t", self.angles, FRAMES),
+            fixed=[
+                Frame(pose, size, f"p{'₀₁₂'[n]}", lights_at=int(self.places[n])) for n, pose in enumerate(self.poses)
+            ],
+            columns=DH_COLUMNS,
+            caption="Denavit–Hartenberg rows, link by link",
+            nothing="No linkage here",
+            legend=[*zip(link_names(example), link_colours(example), strict=True)],
+            recipe={"poses": [[float(c) for c in p.coeffs] for p in self.poses]},
+            alt=alt,
+            **options,
+        )
 
 
 def exactly(x: float) -> Fraction:
@@ -91,38 +176,8 @@ def exactly(x: float) -> Fraction:
     return Fraction(x).limit_denominator(10**6)
 
 
-def _exact_point(point: Sequence[float | Fraction]) -> Sequence[float | Fraction]:
-    return [exactly(float(c)) for c in point]
-
-
 def _stops(linkage: Linkage) -> list[float]:
     return [float(as_float(t)) for t in linkage.parameters]
-
-
-def _angles(linkage: Linkage, places: np.ndarray) -> np.ndarray:
-    """The angles with t = cot(½ angle) at an even pace, the poses at given frames."""
-    t, _ = one_turn(Bars.of(linkage), FRAMES, _stops(linkage), places)
-    return np.where(np.isinf(t), 0.0, 2 * np.arctan2(1.0, t))
-
-
-def _seen(
-    planes: Sequence[ZPlane], point: Sequence[float | Fraction], size: Fraction, x: Any, y: Any, linkage: int, t: Any
-) -> Seen:
-    """One of the eight linkages at t, its table, and how far z is from the bad places."""
-    plane = planes[linkage // 2]
-    shown = plane.linkages((x, y))[linkage % 2]
-    partner = plane.partner((x, y))
-    seen = linkage_seen(shown, t, point=point, size=size)
-    return Seen(
-        seen.parts,
-        seen.numbers,
-        seen.axes,
-        marks=[partner],
-        bad=_distances(plane, x, y, *partner),
-        words=[
-            (y * partner[1], "The joint of z turns twice.", "The joint of z swings: it turns forth and back."),
-        ],
-    )
 
 
 def linkage_seen(
@@ -221,7 +276,7 @@ def _limits(planes: Sequence[ZPlane], z: tuple[float, float]) -> tuple[tuple[flo
     return (x0, x1), (y0, y1)
 
 
-def draw_z_plane(planes: Sequence[ZPlane], ax: Axes, linkage: int) -> None:
+def _draw(planes: Sequence[ZPlane], ax: Axes, linkage: int) -> None:
     """The triangle s_B1, s_B2, z* with its circle, and the curve on which all offsets vanish; in planes of floats."""
     plane = planes[linkage // 2]
     corners = np.array([[float(c) for c in corner] for corner in (*plane.corners, plane.corners[0])])

@@ -38,7 +38,7 @@ window.explore = (recording, { state, draw, frame }) => {
     const angle = turns[first] + (at - Math.floor(at)) * (step - whole * Math.round(step / whole));
     return Math.min(Math.max(1 / Math.tan(angle / 2), -FAR), FAR);
   }
-  const evaluate = (at) => formulas[which()](...inputs.map((name) => (name === given.turn ? parameter(at) : values[name])));
+  const evaluate = (at) => formulas[given.formulaOf[which()]](...inputs.map((name) => (name === given.turn ? parameter(at) : values[name])));
 
   function judge() {
     const near = (limit) => given.bad.find((_, n) => !(Math.abs(now.bad[n]) > limit));
