@@ -87,9 +87,10 @@ PLACES_OF_4R = (
     (-0.3373433587725879, -0.1674742402625168),
     (0.08175995620634387, 0.0),
 )
-"""Where the joints of the Bennett linkage through the third, first and second of `POSES_OF_BRUNNTHALER` sit, so that its
-links do not collide, from the model ``bennett_ark24`` of rational-linkages (Huczala et al. 2024), which was printed.  In
-loop order, where each joint begins and where it ends: lengths along its axis, from the foot of the origin."""
+"""Where the joints of the Bennett linkage through the third, first and second of `POSES_OF_BRUNNTHALER` sit, so that
+its links do not collide, from the model ``bennett_ark24`` of rational-linkages (Huczala et al. 2024), which was
+printed. In loop order, where each joint begins and where it ends: lengths along its axis, from the foot of the
+origin."""
 
 PLACES_OF_6R = (
     (-0.7253381201896022, -0.798226343812831),

@@ -220,7 +220,7 @@ def test_bars_may_be_drawn_in_other_places(linkages):
     apart = np.linalg.norm(ends[:, None] - given, axis=-1).max(axis=-1).min(axis=0)
     assert np.all(apart < 0.1 * Bars.of(linkage).size)
     with pytest.raises(ValueError, match="on axis 5"):
-        linkage_scene(linkage, bars=given + [0, 1, 0], alt=ALT)
+        linkage_scene(linkage, bars=given + np.array([0, 1, 0]), alt=ALT)
     with pytest.raises(ValueError, match="straight bars"):
         linkage_scene(linkage, bars=np.concatenate([given, given[:, 1:]], axis=1), alt=ALT)
 
