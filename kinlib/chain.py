@@ -21,6 +21,7 @@ from kinlib.rows import broadcast
 from kinlib.scalar import ROUNDING, RTOL, angle_of, as_float, is_exact, is_zero, root_of
 from kinlib.shown import html_table as html_table
 from kinlib.shown import in_words
+from kinlib.tables import TableForm, as_table
 from kinlib.typing import Array, ArrayLike, Degenerate, PointLike
 
 __all__ = ["Chain", "DHRow"]
@@ -238,6 +239,37 @@ give angles that close it, or rtol= if the numbers are rounded
             (str(n), angle, in_words(row.offset, least), in_words(row.distance, least), _in_degrees(row.twist))
             for n, (row, angle) in enumerate(zip(self.denavit_hartenberg(), angles, strict=True), start=1)
         ]
+
+    def table_text(self, form: TableForm) -> str:
+        """The Denavit–Hartenberg table of a single chain as CSV, Markdown or LaTeX.
+
+        CSV has all digits, angles in radians; :meth:`from_denavit_hartenberg` reads its columns back.  Markdown and
+        LaTeX have six digits and angles in degrees, to be read.
+
+        Parameters
+        ----------
+        form : {"csv", "markdown", "latex"}
+
+        Examples
+        --------
+        >>> print(Chain([k, k + eps * i, k + eps * i + eps * j, k + eps * j]).table_text("markdown"))
+        | joint | angle | offset | distance | twist |
+        | --: | --: | --: | --: | --: |
+        | 1 | 90° | 0 | 1 | 0° |
+        | 2 | 90° | 0 | 1 | 0° |
+        | 3 | 90° | 0 | 1 | 0° |
+        | 4 | 90° | 0 | 1 | 0° |
+        <BLANKLINE>
+        """
+        if self.shape:
+            raise ValueError("expected a single chain: a batch has many tables, index it")
+        if form == "latex":
+            return as_table(form, ("$n$", r"$\theta_n$", "$d_n$", "$a_n$", r"$\alpha_n$"), self.table())
+        if form != "csv":
+            return as_table(form, ("joint", "angle", "offset", "distance", "twist"), self.table())
+        rows = zip(self.denavit_hartenberg(), self.angles().tolist(), strict=True)
+        numbers = [(n, angle, row.offset, row.distance, row.twist) for n, (row, angle) in enumerate(rows, start=1)]
+        return as_table(form, ("joint", "angle", "offset", "distance", "twist"), numbers)
 
     @cached_property
     def lines(self) -> Lines:

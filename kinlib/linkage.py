@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Iterator, Sequence
 from dataclasses import InitVar, dataclass, field
 from functools import cached_property
@@ -38,6 +39,7 @@ from kinlib.poses import as_pose
 from kinlib.reach import NearestPose, nearest_pose, parameters_of_pose
 from kinlib.relative_motion import relative_motion
 from kinlib.rows import broadcast
+from kinlib.saving import from_json, read_document, to_json, write_document
 from kinlib.scalar import RTOL, as_float, as_scalars
 from kinlib.timetable import Driven, Law, Timetable, driven_at
 from kinlib.typing import Array, ArrayLike, Degenerate, PointLike, PoseLike, ScalarLike
@@ -291,6 +293,48 @@ class Linkage:
     def __getstate__(self) -> dict[str, Any]:
         names = ("factors", "joints", "coupler", "home", "parameters")
         return {name: self.__dict__[name] for name in names}  # what is computed from them is left behind
+
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Write the linkage to a JSON file, which :meth:`load` reads; all numbers as they are, exact ones too.
+
+        Raises
+        ------
+        TypeError
+            If there are numbers that can not be saved, such as elements of polynomial rings.
+
+        Examples
+        --------
+        >>> import tempfile
+        >>> from pathlib import Path
+        >>> from kinlib import bennett_linkage, gallery
+        >>> loop = bennett_linkage(*gallery.THREE_POSES)
+        >>> with tempfile.TemporaryDirectory() as folder:
+        ...     loop.save(Path(folder) / "bennett.json")
+        ...     again = Linkage.load(Path(folder) / "bennett.json")
+        >>> again.factors == loop.factors, again.parameters
+        (True, (inf, 0, 1))
+        """
+        residual = float(np.nanmax(self.closure_residual(), initial=0.0))
+        write_document(
+            path, "linkage", {"residual": residual, **{x: to_json(y) for x, y in self.__getstate__().items()}}
+        )
+
+    @classmethod
+    def load(cls, path: str | os.PathLike[str]) -> Linkage:
+        """The linkage that was saved in a file.
+
+        Raises
+        ------
+        ValueError
+            If the file is no saved linkage, was changed since, or comes from a newer kinlib.
+        """
+        content = read_document(path, "linkage")
+        try:
+            residual = content.pop("residual")
+            given = {name: from_json(value) for name, value in content.items()}
+            return cls(**given, rtol=max(CLOSED, 2 * residual))
+        except (TypeError, KeyError, ValueError, AttributeError) as error:
+            raise ValueError(f"the file does not hold a linkage: {error}") from None
 
     def joint_factors(self, joint: int) -> Sequence[DualQuaternion]:
         """The factors of joint number 0, 1, …, all about one axis."""
@@ -763,4 +807,11 @@ def _listed(parameters: tuple[Any, ...]) -> str:
     """Parameter values in words."""
     if any(np.ndim(t) for t in parameters):
         return f"{len(parameters)} values of t"
-    return "t = " + ", ".join(f"{float(t):.6g}".replace("inf", "∞") for t in parameters)
+    return "t = " + ", ".join(_in_words(t) for t in parameters)
+
+
+def _in_words(t: Any) -> str:
+    try:
+        return f"{float(t):.6g}".replace("inf", "∞")
+    except TypeError:  # it has symbols
+        return str(t)

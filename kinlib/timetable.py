@@ -14,6 +14,7 @@ from kinlib.dual_quaternion import DualQuaternion
 from kinlib.loop import Loop
 from kinlib.phase import phases_of, t_at, weight_of_phase
 from kinlib.scalar import as_float, as_scalars, as_vectors
+from kinlib.tables import as_table
 from kinlib.typing import Array, ArrayLike, PointLike, ScalarLike
 
 __all__ = ["ConstantPointSpeed", "ConstantSpeed", "Driven", "Law", "RestAtPoses", "Timetable", "angles_at", "driven_at"]
@@ -68,6 +69,21 @@ class Timetable:
     def matrices(self) -> Array:
         """The 4×4 matrices of the poses, shape (..., m, 4, 4)."""
         return as_matrix(self.poses)
+
+    def as_csv(self) -> str:
+        """Time, t and the joint angles of a single linkage as CSV: all digits, angles in radians.
+
+        Examples
+        --------
+        >>> from kinlib import ConstantSpeed, bennett_linkage, gallery
+        >>> table = bennett_linkage(*gallery.THREE_POSES).drive(ConstantSpeed(), [0.0, 1.0])
+        >>> table.as_csv().splitlines()[:2]
+        ['time,t,joint 1,joint 2,joint 3,joint 4', '0.0,inf,0.0,0.0,0.0,0.0']
+        """
+        if self.t.ndim > 1:
+            raise ValueError("expected the table of a single linkage: index the linkage first")
+        head = ["time", "t", *(f"joint {n + 1}" for n in range(self.angles.shape[-1]))]
+        return as_table("csv", head, np.column_stack([self.time, self.t, self.angles]).tolist())
 
 
 def angles_at(loop: Loop, phase: Array) -> Array:

@@ -22,6 +22,8 @@ ORDER = [
     "number_field",
     "dual_quaternion",
     "typing",
+    "saving",
+    "tables",
     "rows",
     "projective",
     "quadric",
