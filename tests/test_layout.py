@@ -71,6 +71,12 @@ ORDER = [
     "task_linkages",
     "gallery",
     "testing",
+    "export.xml",
+    "export.bodies",
+    "export.mjcf",
+    "export.urdf",
+    "export.rational",
+    "export.printing",
     "pictures.formula",
     "pictures.colours",
     "pictures.floats",
@@ -103,6 +109,7 @@ PUBLIC = [
     "six_r_linkages", "DegenerateError",
 ]  # fmt: skip
 
+PACKAGES = ("kinlib", "kinlib.export", "kinlib.pictures")
 FILES = (path for path in PACKAGE.rglob("*.py") if path.stem != "__init__")
 MODULES = sorted(".".join(path.relative_to(PACKAGE).with_suffix("").parts) for path in FILES)
 
@@ -162,7 +169,7 @@ def test_no_theory_needs_the_pictures():
 
 
 def test_import_kinlib_is_light():
-    heavy = ("sympy", "matplotlib", "meshcat", "scipy", "IPython", "kinlib.pictures")
+    heavy = ("sympy", "matplotlib", "meshcat", "scipy", "IPython", "trimesh", "kinlib.export", "kinlib.pictures")
     code = f"import sys, kinlib; print([name for name in {heavy!r} if name in sys.modules])"
     run = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert run.stdout.strip() == "[]"
@@ -179,7 +186,7 @@ def test_public_objects_are_documented(name):
     assert [x.__name__ for x in objects if not (x.__doc__ or "").strip()] == []
 
 
-@pytest.mark.parametrize("name", ["kinlib", "kinlib.pictures", *(f"kinlib.{name}" for name in MODULES)])
+@pytest.mark.parametrize("name", [*PACKAGES, *(f"kinlib.{name}" for name in MODULES)])
 def test_all_that_is_public_has_hints(name):
     missing = {f.__qualname__: without_hint(f) for thing in public_objects(name) for f in functions_of(thing)}
     assert {function: names for function, names in missing.items() if names} == {}

@@ -16,7 +16,7 @@ def test_a_denavit_hartenberg_table_in_csv_gives_the_chain_back():
     rows = list(csv.DictReader(io.StringIO(FIVE.chain.table_text("csv"))))
     table = [[float(row[name]) for name in ("distance", "twist", "offset")] for row in rows]
     chain = Chain.from_denavit_hartenberg(table, [float(row["angle"]) for row in rows])
-    assert chain.denavit_hartenberg() == pytest.approx(FIVE.denavit_hartenberg(), abs=1e-12)
+    assert np.allclose(chain.denavit_hartenberg(), FIVE.denavit_hartenberg(), atol=1e-12)
     assert table == [[row.distance, row.twist, row.offset] for row in FIVE.denavit_hartenberg()]  # all digits
 
 
