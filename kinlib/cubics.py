@@ -22,6 +22,7 @@ from kinlib.motion_polynomial import MotionPolynomial
 from kinlib.number_field import square_root
 from kinlib.poses import PoseProblem, as_poses, gap, seen_together
 from kinlib.projective import null_space
+from kinlib.rows import broadcast
 from kinlib.scalar import ROUNDING, as_float, as_scalars, divide, is_exact, is_zero
 from kinlib.typing import Array, ArrayLike, Degenerate, PoseLike, Scalars
 
@@ -227,7 +228,7 @@ class CubicFamilies:
         return CubicRows(others, pick[0], pick[1], tuple(pick[2:]))
 
     @property
-    def others(self) -> tuple[DualQuaternion, ...]:
+    def others(self) -> DualQuaternion:
         """The displacements q_1, q_2, q_3."""
         return self.problem.others
 
@@ -428,14 +429,12 @@ def _problem(given: Sequence[PoseLike], free: Array, degenerate: Degenerate) -> 
     if problem.is_exact and not is_exact(free):
         problem = seen_together(*(p.astype(float) for p in as_poses(*given)))
     if not problem.is_exact:
-        problem = replace(problem, others=tuple(_projected(q) for q in problem.others))
+        problem = replace(problem, others=_projected(problem.others))
         free = as_float(free) if is_exact(free) else free
     shape = np.broadcast_shapes(problem.home.shape, free.shape)
     if shape != problem.home.shape:
-        home, *others = (
-            DualQuaternion(np.broadcast_to(q.coeffs, (*shape, 8))) for q in (problem.home, *problem.others)
-        )
-        problem = replace(problem, home=home, others=tuple(others))
+        home, *others = (broadcast(q, shape) for q in (problem.home, *problem.others))
+        problem = replace(problem, home=home, others=DualQuaternion.stack(others))
     return problem, free[..., None] if free.ndim else free[()]
 
 

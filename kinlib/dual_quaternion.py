@@ -363,6 +363,16 @@ def _inner(p: np.ndarray, r: np.ndarray) -> Scalars:
     return p0 * r0 + p1 * r1 + p2 * r2 + p3 * r3
 
 
+def left_matrix(q: DualQuaternion) -> np.ndarray:
+    """The matrix of x ↦ q x, shape (..., 8, 8), in floats."""
+    return np.moveaxis(as_float(q.components)[NUMBERS], (0, 1), (-2, -1)) * SIGNS
+
+
+def right_matrix(q: DualQuaternion) -> np.ndarray:
+    """The matrix of x ↦ x q, shape (..., 8, 8), in floats."""
+    return np.moveaxis(as_float(q.components)[RIGHT_NUMBERS], (0, 1), (-2, -1)) * RIGHT_SIGNS
+
+
 def eps_times(q: DualQuaternion) -> DualQuaternion:
     """The product εq, which moves the primal part to the dual part."""
     p = as_dual_quaternion(q).components[:4]
@@ -517,6 +527,8 @@ def _product(a: np.ndarray, b: np.ndarray) -> np.ndarray:
 TABLE = np.array([_product_formula(unit, np.eye(8)) for unit in np.eye(8)])
 NUMBERS, SIGNS = np.abs(TABLE).argmax(axis=0), TABLE.sum(axis=0)
 """Component n of a product ab is the sum of SIGNS[n, m] a[NUMBERS[n, m]] b[m] over m."""
+RIGHT_NUMBERS, RIGHT_SIGNS = np.abs(TABLE).argmax(axis=2).T, TABLE.sum(axis=2).T
+"""It is also the sum of RIGHT_SIGNS[n, m] b[RIGHT_NUMBERS[n, m]] a[m] over m."""
 
 
 def blockwise(formula: Callable[..., tuple[Any, ...]], *operands: np.ndarray, rows: int) -> np.ndarray:

@@ -2,18 +2,17 @@
 
 As seen from the first pose the plane of the poses is spanned by [1], [q1], [q2].  Let μ1 ≤ μ2 ≤ μ3 be the eigenvalues
 of the Study form relative to the null form on it.  There are two 2R spaces through the plane if the three differ, and
-one if two of them agree.  Everything here is in floats, in the problem's own frame, and comes unchecked; the last axis
+one if two of them agree.  Everything here is in floats, in the problem's own frame, and comes unchecked; the first axis
 of a batch tells the two dyads apart.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
 
-from kinlib.dual_quaternion import DualQuaternion, eps_times, null_form, one, study_form, wrap
+from kinlib.dual_quaternion import DualQuaternion, eps_times, null_form, study_form, wrap
 from kinlib.factorization import factor_in_orders
 from kinlib.motion_polynomial import MotionPolynomial
 from kinlib.polishing import solved
@@ -60,8 +59,13 @@ def factored(C: MotionPolynomial) -> Pair:
     """The linear factors from the roots of the norm polynomial of the conic, in both orders."""
     upper = _upper_roots(C)
     quadratics = np.stack([np.ones(upper.shape), -2 * upper.real, np.abs(upper) ** 2], axis=-1)
-    first, second = factor_in_orders(C, quadratics, BOTH_ORDERS)
-    return first, second
+    return in_both_orders(C, quadratics)
+
+
+def in_both_orders(C: MotionPolynomial, quadratics: np.ndarray) -> Pair:
+    """The linear factors of the conic from the quadratic factors of its norm polynomial."""
+    k1, k2 = (wrap(np.moveaxis(k.components, -1, 1)) for k in factor_in_orders(C, quadratics, BOTH_ORDERS))
+    return k1, k2
 
 
 def _upper_roots(C: MotionPolynomial) -> np.ndarray:
@@ -78,19 +82,29 @@ def _upper_roots(C: MotionPolynomial) -> np.ndarray:
 
 def on_axis(k: DualQuaternion) -> DualQuaternion:
     """The factor x + y h with the axis that k nearly has: what rounding has added to a line is taken away."""
-    v = _vector_part(k)
-    return v - eps_times(v) * (study_form(v, v) / (2 * null_form(v, v))) + k.scalar_part
+    components = k.components.copy()
+    components[4] = 0
+    l, m = components[1:4], components[5:]
+    m -= l * (_dot(l, m) / _dot(l, l))
+    return wrap(components)
 
 
 def half_turn_of(k: DualQuaternion) -> DualQuaternion:
     """The half-turn h with k = x + y h and y > 0; NaN where there is none."""
-    return normalised(_vector_part(k))
-
-
-def _vector_part(k: DualQuaternion) -> DualQuaternion:
-    components = k.components.copy()
+    components = k.components / size_of_turn(k)
     components[[0, 4]] = 0
     return wrap(components)
+
+
+def size_of_turn(k: DualQuaternion) -> np.ndarray:
+    """The y > 0 of k = x + y h with a half-turn h of length 1."""
+    l = k.components[1:4]
+    return np.sqrt(_dot(l, l))
+
+
+def _dot(x: np.ndarray, y: np.ndarray) -> np.ndarray:
+    """Inner products of vectors with their components first."""
+    return np.einsum("k...,k...->...", x, y)
 
 
 def normalised(x: DualQuaternion) -> DualQuaternion:
@@ -104,28 +118,33 @@ def normalised(x: DualQuaternion) -> DualQuaternion:
 class Spectrum(NamedTuple):
     """The plane of three poses: a basis orthonormal for the null form and diagonal for the Study form."""
 
-    basis: tuple[DualQuaternion, DualQuaternion, DualQuaternion]
+    basis: DualQuaternion  # (3, ...)
     normal: DualQuaternion  # the primal quaternion orthonormal to the plane
-    values: np.ndarray  # (..., 3), ascending
+    values: np.ndarray  # (3, ...), ascending
 
 
-def spectrum_of(q1: DualQuaternion, q2: DualQuaternion) -> Spectrum:
-    e1 = normalised(q1 - q1.scalar_part)
-    rest = normalised(q2 - q2.scalar_part)
+def spectrum_of(others: DualQuaternion) -> Spectrum:
+    """The plane of [1] and two poses, shape (2, ...)."""
+    e1, rest = normalised(others - others.scalar_part)
     e2 = normalised(rest - e1 * null_form(e1, rest))
     e2 = normalised(e2 - e1 * null_form(e1, e2))
-    plane = DualQuaternion.stack([one, e1, e2], axis=-1).coeffs
-    mixed = plane[..., :4] @ np.swapaxes(plane[..., 4:], -1, -2)
-    gram = mixed + np.swapaxes(mixed, -1, -2)
-    values, vectors = np.linalg.eigh(np.where(np.isfinite(gram), gram, 0))
-    rows = DualQuaternion(np.swapaxes(vectors, -1, -2) @ plane)
-    return Spectrum((rows[..., 0], rows[..., 1], rows[..., 2]), (e1 * e2).primal, values)
+    values, vectors = np.linalg.eigh(_gram(e1, e2))  # of its rows and columns the lower triangle is read
+    x, y, z = vectors.transpose(-2, -1, *range(vectors.ndim - 2))
+    return Spectrum(e1 * y + e2 * z + x, (e1 * e2).primal, values.transpose(-1, *range(values.ndim - 1)))
+
+
+def _gram(e1: DualQuaternion, e2: DualQuaternion) -> np.ndarray:
+    """The Study form in the basis 1, e1, e2, below the diagonal and on it; 0 for what is not finite."""
+    gram = np.zeros((*e1.shape, 3, 3))
+    gram[..., 1, 0], gram[..., 2, 0] = e1.components[4], e2.components[4]
+    gram[..., 1, 1], gram[..., 2, 1], gram[..., 2, 2] = study_form(e1, e1), study_form(e1, e2), study_form(e2, e2)
+    return gram if np.isfinite(gram).all() else np.where(np.isfinite(gram), gram, 0)
 
 
 def has_double_roots(problem: PoseProblem, plane: Spectrum) -> np.ndarray:
     """Whether two eigenvalues agree as nearly as they can be told."""
-    mu1, mu2, mu3 = np.moveaxis(plane.values, -1, 0)
-    noise = (1e-14 + 4 * problem.noise) / distance_from_exceptional_space(*problem.others)
+    mu1, mu2, mu3 = plane.values
+    noise = (1e-14 + 4 * problem.noise) / distance_from_exceptional_space(problem.others)
     return np.minimum(mu3 - mu2, mu2 - mu1) <= 1e-13 * (mu3 - mu1) + noise
 
 
@@ -146,20 +165,21 @@ def by_eigenvalues(problem: PoseProblem, plane: Spectrum) -> Pair:
     b(f2, x)² = (μ3 − μ2)(μ2 − μ1) and b(x, x) = μ1 + μ3 − μ2.  The eigenvectors are f1, f3 and two combinations
     of f2 and x.  The sign of b(f2, x) tells the two dyads apart.
     """
-    mu1, mu2, mu3 = (plane.values[..., n, None] for n in range(3))
-    low, high, sign = np.maximum(mu2 - mu1, 0), np.maximum(mu3 - mu2, 0), np.array([1, -1])
-    sine, cosine = sign * np.sqrt(low / (mu3 - mu1)), np.sqrt(high / (mu3 - mu1))
-    f1, f2, f3 = (f[..., None] for f in plane.basis)
-    x = _fourth_point(plane.normal[..., None], (f1, f2, f3), sign * np.sqrt(low * high), mu1 + mu3 - mu2)
+    (mu1, mu2, mu3), (f1, f2, f3) = plane.values, plane.basis
+    low, high = np.maximum(mu2 - mu1, 0), np.maximum(mu3 - mu2, 0)
+    sine, cosine = np.multiply.outer(SIGNS, np.sqrt(low / (mu3 - mu1))), np.sqrt(high / (mu3 - mu1))
+    x = eps_times(f2) * np.multiply.outer(SIGNS, np.sqrt(low * high)) + _fourth_point(plane)
     return _axes((f1, f2 * cosine - x * sine), (f3, f2 * sine + x * cosine))
 
 
-def _fourth_point(normal: DualQuaternion, basis: Sequence[DualQuaternion], entry: Array, last: Array) -> DualQuaternion:
-    """The point x orthonormal to the plane with b(x, f1) = b(x, f3) = 0, b(x, f2) = entry, b(x, x) = last."""
-    dual = normal * (last / 2)
-    for f, value in zip(basis, (0, entry, 0), strict=True):
-        dual = dual + f * (value - study_form(normal, f))
-    return normal + eps_times(dual)
+SIGNS = np.array([1.0, -1.0])
+
+
+def _fourth_point(plane: Spectrum) -> DualQuaternion:
+    """The point x orthonormal to the plane with b(x, f) = 0 for its basis and b(x, x) = μ1 + μ3 − μ2."""
+    normal, (mu1, mu2, mu3) = plane.normal, plane.values
+    along = plane.basis * study_form(normal, plane.basis)
+    return normal + eps_times(normal * ((mu1 + mu3 - mu2) / 2) - wrap(along.components.sum(axis=1)))
 
 
 def _axes(minus: Pair, plus: Pair) -> Pair:
@@ -169,18 +189,20 @@ def _axes(minus: Pair, plus: Pair) -> Pair:
     h1 + h2 and 1 − h1h2.  In each, the vector orthogonal to the projection of 1 and of its length is half the
     difference, and half the sum.
     """
-    difference, _ = _turned(*minus)
-    total, projection = _turned(*plus)
-    h1, h2 = total + difference, total - difference
-    product = 1 - 2 * projection
-    swap = np.where(null_form(h1 * h2, product - product.scalar_part) < 0, -1, 1)
+    difference, total = _turned(*minus), _turned(*plus)
+    swap = np.where(null_form((total + difference) * (total - difference), _projection(*plus)) > 0, -1.0, 1.0)
     return half_turn_of(on_axis(total + difference * swap)), half_turn_of(on_axis(total - difference * swap))
 
 
-def _turned(x: DualQuaternion, y: DualQuaternion) -> Pair:
-    """In the plane of orthonormal x, y: the projection of 1 turned by a right angle, and itself."""
-    a, b = x.scalar_part, y.scalar_part
-    return y * a - x * b, x * a + y * b
+def _turned(x: DualQuaternion, y: DualQuaternion) -> DualQuaternion:
+    """In the plane of orthonormal x, y: the projection of 1 turned by a right angle."""
+    return y * x.scalar_part - x * y.scalar_part
+
+
+def _projection(x: DualQuaternion, y: DualQuaternion) -> DualQuaternion:
+    """In the plane of orthonormal x, y: the projection of 1, without its scalar part."""
+    projection = x * x.scalar_part + y * y.scalar_part
+    return projection - projection.scalar_part
 
 
 def _by_factorization(problem: PoseProblem, plane: Spectrum) -> Pair:
@@ -198,8 +220,8 @@ def _by_null_quadrilateral(problem: PoseProblem, plane: Spectrum) -> Pair:
     C = conic_from(problem, start_of(problem))
     m1, n1 = (C(_sharpened(C, root)).coeffs for root in np.moveaxis(_upper_roots(C), -1, 0))
     pairs = [_lifted(u, m1, n1) for u in _first_vertices(m1[..., :4], n1.conj()[..., :4])]
-    (a1, a2), (b1, b2) = pairs
-    return DualQuaternion.stack([a1, b1], axis=-1), DualQuaternion.stack([a2, b2], axis=-1)
+    h1, h2 = (DualQuaternion.stack(half_turns) for half_turns in zip(*pairs, strict=True))
+    return h1, h2
 
 
 def _sharpened(C: MotionPolynomial, t: np.ndarray) -> np.ndarray:

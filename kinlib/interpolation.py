@@ -81,8 +81,9 @@ def conic_through(p0: PoseLike, p1: PoseLike, p2: PoseLike, *, degenerate: Degen
     with np.errstate(all="ignore"):
         C = _outward(problem, conic(one.astype(float), *problem.others))
         missed = _missed(problem, C, (0.0, 1.0))
-        limits = [rounding_of_form(step, problem.noise) for step in problem.steps]
-        faults = _conic_faults(problem.steps, limits, rounding(problem))
+        steps = list(problem.steps)
+        limits = [rounding_of_form(step, problem.noise) for step in steps]
+        faults = _conic_faults(steps, limits, rounding(problem))
     faults = np.where((faults == 0) & ~(missed <= POWERS_MET), ConicFault.LOST, faults)
     return _without(C, report_faults(faults, ConicFault, degenerate, how_near=missed))
 

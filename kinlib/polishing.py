@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from kinlib.dual_quaternion import DualQuaternion, null_form, one
+from kinlib.dual_quaternion import DualQuaternion, left_matrix, null_form, one, right_matrix
 from kinlib.motion_polynomial import MotionPolynomial
 from kinlib.scalar import is_exact, is_zero
 from kinlib.typing import Array
@@ -124,5 +124,4 @@ def _derivative(factors: Sequence[DualQuaternion], shape: tuple[int, ...]) -> np
 
 def _two_sided(left: DualQuaternion, right: DualQuaternion) -> np.ndarray:
     """The matrix of x ↦ left · x · right, shape (..., 8, 8)."""
-    images = left[..., None] * DualQuaternion(np.eye(8)) * right[..., None]
-    return np.swapaxes(images.coeffs, -1, -2)
+    return left_matrix(left) @ right_matrix(right)

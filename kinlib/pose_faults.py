@@ -52,74 +52,79 @@ SHIFT = 1e-10
 
 def faults_of_poses(problem: PoseProblem) -> np.ndarray:
     """What is wrong with three poses themselves, whatever is asked of them: a PoseFault a row, or 0."""
-    still = [_is_still(step) for step in problem.steps]
-    same = [turned & _is_near(step, problem) for turned, step in zip(still, problem.steps, strict=True)]
+    undefined, still, rotations = _not_finite(problem), _are_still(problem), _are_rotations(problem)
+    parallel = _sine(problem) <= (0 if problem.is_exact else APART)
+    inside = rotations.all(axis=0)
+    if not (undefined | still.any(axis=0) | parallel | inside).any():
+        return np.zeros(inside.shape, dtype=int)
     return first_fault(
-        (_not_finite(problem), PoseFault.INVALID),
-        *zip(same, EQUAL, strict=True),
+        (undefined, PoseFault.INVALID),
+        *zip(still & _are_near(problem), EQUAL, strict=True),
         *zip(still, SLIDE, strict=True),
-        (_sine(problem) <= (0 if problem.is_exact else APART), PoseFault.PARALLEL),
-        (np.all(_are_rotations(problem), axis=0), PoseFault.INSIDE),
+        (parallel, PoseFault.PARALLEL),
+        (inside, PoseFault.INSIDE),
     )
 
 
 def tangent_faults(problem: PoseProblem) -> np.ndarray:
     """Which two poses differ by a rotation, so that there is no conic: a PoseFault a row, or 0."""
-    return first_fault(*zip(_are_rotations(problem), TANGENTS, strict=True))
+    rotations = _are_rotations(problem)
+    if not rotations.any():
+        return np.zeros(rotations.shape[1:], dtype=int)
+    return first_fault(*zip(rotations, TANGENTS, strict=True))
 
 
 def nearest_fault(problem: PoseProblem) -> tuple[np.ndarray, np.ndarray]:
     """The fault that each row is nearest to, and how near, relative to the size of what vanishes there."""
-    turns, shifts = ([_largest(step.components[part]) for step in problem.steps] for part in (slice(1, 4), slice(4, 8)))
-    forms = [np.abs(b) for b in problem.forms]
+    turns, shifts = (_largest(problem.steps.components[part]) for part in (slice(1, 4), slice(4, 8)))
+    forms = np.abs(problem.forms)
     measured = [
-        *zip([np.maximum(*sizes) for sizes in zip(turns, shifts, strict=True)], EQUAL, strict=True),
-        *zip([turn / (turn + shift) for turn, shift in zip(turns, shifts, strict=True)], SLIDE, strict=True),
+        *zip(np.maximum(turns, shifts), EQUAL, strict=True),
+        *zip(turns / (turns + shifts), SLIDE, strict=True),
         (_sine(problem), PoseFault.PARALLEL),
-        *zip([b / (turn * shift) for b, turn, shift in zip(forms, turns, shifts, strict=True)], TANGENTS, strict=True),
+        *zip(forms / (turns * shifts), TANGENTS, strict=True),
     ]
     sizes = np.array([np.broadcast_to(np.nan_to_num(size, nan=np.inf), problem.home.shape) for size, _ in measured])
     return np.array([int(fault) for _, fault in measured])[np.argmin(sizes, axis=0)], sizes.min(axis=0)
 
 
-def _are_rotations(problem: PoseProblem) -> list[np.ndarray]:
+def _are_rotations(problem: PoseProblem) -> np.ndarray:
     """Whether the steps are rotations: b divided by the sine of the half-angle is the pitch, up to a factor."""
-    limit = 1e-14 + 4 * problem.noise
-    return [
-        is_zero(b, _largest(step.components[1:4]), limit) for b, step in zip(problem.forms, problem.steps, strict=True)
-    ]
+    turns = _largest(problem.steps.components[1:4])
+    return np.asarray(is_zero(problem.forms, turns, 1e-14 + 4 * problem.noise))
 
 
 def _not_finite(problem: PoseProblem) -> np.ndarray:
-    return ~np.all([np.isfinite(as_float(q.components)).all(axis=0) for q in problem.others], axis=0)
+    return ~np.isfinite(as_float(problem.others.components)).all(axis=(0, 1))
 
 
 def _largest(rows: np.ndarray) -> np.ndarray:
-    return np.max([np.abs(as_float(x)) for x in rows], axis=0)
+    return np.abs(as_float(rows)).max(axis=0)
 
 
-def _is_still(step: DualQuaternion) -> np.ndarray:
-    """Whether a step does not turn."""
-    return np.all(is_zero(step.components[1:4], 1.0, APART), axis=0)
+def _are_still(problem: PoseProblem) -> np.ndarray:
+    """Whether the steps do not turn."""
+    return np.all(is_zero(problem.steps.components[1:4], 1.0, APART), axis=0)
 
 
-def _is_near(step: DualQuaternion, problem: PoseProblem) -> np.ndarray:
-    """Whether a step that does not turn does not shift either."""
-    return np.all(is_zero(step.components[4:], 1.0, SHIFT + problem.noise), axis=0)
+def _are_near(problem: PoseProblem) -> np.ndarray:
+    """Whether steps that do not turn do not shift either."""
+    return np.all(is_zero(problem.steps.components[4:], 1.0, SHIFT + problem.noise), axis=0)
 
 
-def distance_from_exceptional_space(q1: DualQuaternion, q2: DualQuaternion) -> np.ndarray:
+def distance_from_exceptional_space(others: DualQuaternion) -> np.ndarray:
     """How far the plane of [1], [q1], [q2] is from the exceptional space: 0 if the turns have parallel axes."""
-    (a1, a2, a3), (b1, b2, b3) = (q.components[1:4] for q in (q1, q2))
-    cross = np.array([a2 * b3 - a3 * b2, a3 * b1 - a1 * b3, a1 * b2 - a2 * b1])
+    a, b = np.moveaxis(others.components[1:4], 1, 0)
+    cross = np.array([a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]])
     if is_exact(cross):
         return np.where(np.all(is_zero(cross), axis=0), 0.0, 1.0)
-    longest = np.sqrt(np.maximum(a1 * a1 + a2 * a2 + a3 * a3, b1 * b1 + b2 * b2 + b3 * b3))
+    longest = np.sqrt((others.components[1:4] ** 2).sum(axis=0).max(axis=0))
     return np.sqrt((cross * cross).sum(axis=0)) / np.where(longest > 0, longest, 1)
 
 
 def _sine(problem: PoseProblem) -> np.ndarray:
     """The sine of the angle between the axes of the turns from the first pose."""
-    turns = [_largest(step.components[1:4]) for step in problem.steps[:2]]
+    turns = _largest(problem.others.components[1:4]).min(axis=0)
     with np.errstate(invalid="ignore", divide="ignore"):
-        return np.nan_to_num(distance_from_exceptional_space(*problem.others) / np.minimum(*turns), nan=1.0)
+        sine = distance_from_exceptional_space(problem.others) / turns
+    return np.where(np.isnan(sine), 1.0, sine)

@@ -26,7 +26,7 @@ from kinlib.dual_quaternion import (
     wrap,
 )
 from kinlib.errors import DegenerateError, check_degenerate, named_rows
-from kinlib.rows import masked
+from kinlib.rows import broadcast, masked
 from kinlib.scalar import ROUNDING, RTOL, as_float, divide, is_exact, is_zero
 from kinlib.typing import Array, ArrayLike, Degenerate, PoseLike, RigidTransformLike
 
@@ -71,11 +71,20 @@ def as_poses(*given: PoseLike, rtol: float = RTOL, degenerate: Degenerate = "rai
     """Poses of one problem, judged in each other's company; rows that are none become NaN if asked."""
     check_degenerate(degenerate)
     points = [_point(x, rtol) for x in given]
+    names = [f"pose {n}: " for n in range(len(points))] if len(points) > 1 else [""]
+    if all(is_exact(q.components) for q in points):
+        return [_checked_exactly(q, name) for q, name in zip(points, names, strict=True)]
     with np.errstate(invalid="ignore", divide="ignore", over="ignore"):
-        exact = all(is_exact(q.components) for q in points)
-        length = 0 if exact else reduce(np.maximum, [np.nan_to_num(_lever(q)) for q in points])
+        if all(q.components.dtype == float and q.shape == points[0].shape for q in points):
+            together = DualQuaternion.stack(points)
+            lever = _lever(together)
+            return list(_checked(together, lever, np.fmax.reduce(lever, axis=0, initial=0), rtol, names, degenerate))
+        length = np.asarray(reduce(np.fmax, [np.nan_to_num(_lever(q)) for q in points]))
         return [
-            _checked(q, length, rtol, f"pose {n}: " if len(given) > 1 else "", degenerate) for n, q in enumerate(points)
+            _checked_exactly(q, name)
+            if is_exact(q.components)
+            else _checked(DualQuaternion.stack([q]), _lever(q)[None], length, rtol, [name], degenerate)[0]
+            for q, name in zip(points, names, strict=True)
         ]
 
 
@@ -90,30 +99,32 @@ def _point(x: PoseLike, rtol: float) -> DualQuaternion:
 
 
 def _lever(q: DualQuaternion) -> Array:
-    """|d| / |p|, in floats; half of how far the origin is moved."""
-    p, d = (as_float(np.sqrt(as_float((x * x).sum(axis=0)))) for x in (q.components[:4], q.components[4:]))
-    return d / np.where(p > 0, p, np.nan)
+    """|d| / |p|, in floats; half of how far the origin is moved; NaN in the exceptional space."""
+    p, d = (as_float((x * x).sum(axis=0)) for x in (q.components[:4], q.components[4:]))
+    return np.asarray(np.sqrt(d / np.where(p > 0, p, np.nan)))
 
 
-def _checked(q: DualQuaternion, length: ArrayLike, rtol: float, name: str, degenerate: Degenerate) -> DualQuaternion:
-    """The pose that a point is meant to be."""
-    if q.components.dtype.kind == "c":
-        raise ValueError(f"{name}expected real coefficients, got complex ones: a pose is a real point")
-    if is_exact(q.components):
-        return _checked_exactly(q, name)
-    precision = max(rtol, 8 * float(np.finfo(q.components.dtype).eps)) if q.components.dtype.kind == "f" else rtol
+def _checked(
+    q: DualQuaternion, lever: Array, length: Array, rtol: float, names: Sequence[str], degenerate: Degenerate
+) -> DualQuaternion:
+    """The poses that points are meant to be, shape (poses, ...), given their levers and the longest of all."""
+    dtype = q.components.dtype
+    if dtype.kind == "c":
+        raise ValueError(f"{names[0]}expected real coefficients, got complex ones: a pose is a real point")
+    precision = rtol if dtype.kind == "O" else max(rtol, 8 * float(np.finfo(dtype).eps))
     q = q.astype(float)
-    p = np.sqrt(null_form(q, q))
-    off = np.abs(study_form(q, q)) / 2
-    lever = np.where(p > 0, _lever(q) + _over_other_axes(length, p.shape), 0.0)
+    square, form = null_form(q, q), study_form(q, q)
+    off = np.abs(form) / 2
+    scale = np.where(square > 0, (lever + _over_other_axes(length, q.shape[1:])) * square, 0.0)
     faults = [
-        (~np.isfinite(q.components).all(axis=0), ValueError, lambda: "expected finite numbers, got NaN or infinity"),
-        (p == 0, DegenerateError, lambda: EXCEPTIONAL),
-        (off > (precision * lever + ROUNDING) * p * p, ValueError, lambda: _off_the_quadric(off, lever * p * p)),
+        (~np.isfinite(q.components).all(axis=0), ValueError, lambda n: "expected finite numbers, got NaN or infinity"),
+        (square == 0, DegenerateError, lambda n: EXCEPTIONAL),
+        (off > precision * scale + ROUNDING * square, ValueError, lambda n: _off_the_quadric(off[n], scale[n])),
     ]
-    bad = [_refused(where, error, name, message, degenerate) for where, error, message in faults]
-    projected = q - eps_times(q) * (study_form(q, q) / (2 * p * p))
-    return masked(projected, np.logical_or.reduce(bad))
+    bad = faults[0][0] | faults[1][0] | faults[2][0]
+    if degenerate == "raise" and bad.any():
+        _refuse(faults, names)
+    return masked(q - eps_times(q) * (form / (2 * square)), bad)
 
 
 def _over_other_axes(length: ArrayLike, shape: tuple[int, ...]) -> np.ndarray:
@@ -135,12 +146,12 @@ def _off_the_quadric(off: Array, scale: Array) -> str:
     )
 
 
-def _refused(
-    where: Array, error: type[ValueError], name: str, message: Callable[[], str], degenerate: Degenerate
-) -> Array:
-    if degenerate == "raise" and np.any(where):
-        raise error(f"{named_rows(np.flatnonzero(where) if np.ndim(where) else [])}{name}{message()}")
-    return where
+def _refuse(faults: Sequence[tuple[Array, type[ValueError], Callable[[int], str]]], names: Sequence[str]) -> None:
+    """An error about the first pose that is none."""
+    for n, name in enumerate(names):
+        for where, error, message in faults:
+            if where[n].any():
+                raise error(f"{named_rows(np.flatnonzero(where[n]) if where[n].ndim else [])}{name}{message(n)}")
 
 
 def _checked_exactly(q: DualQuaternion, name: str) -> DualQuaternion:
@@ -148,7 +159,7 @@ def _checked_exactly(q: DualQuaternion, name: str) -> DualQuaternion:
         raise DegenerateError(name + EXCEPTIONAL)
     off = study_form(q, q)
     if not np.all(is_zero(off)):
-        scale = np.maximum(_lever(q), 1e-300) * as_float(null_form(q, q))
+        scale = np.fmax(_lever(q), 1e-300) * as_float(null_form(q, q))
         raise ValueError(name + _off_the_quadric(np.abs(as_float(off)) / 2, scale))
     return q
 
@@ -161,7 +172,7 @@ class PoseProblem:
     ----------
     home : DualQuaternion, shape (...)
         The first pose.
-    others : tuple of DualQuaternion
+    others : DualQuaternion, shape (poses − 1, ...)
         The displacements p_n p_0⁻¹; floats about the middle and in the unit of length, with primal parts of length 1.
     middle : numpy.ndarray, shape (..., 3)
         The point that these displacements move least, seen in the frame of the poses.
@@ -172,21 +183,23 @@ class PoseProblem:
     """
 
     home: DualQuaternion
-    others: tuple[DualQuaternion, ...]
+    others: DualQuaternion
     middle: np.ndarray
     length: np.ndarray
     noise: np.ndarray
 
     @cached_property
-    def steps(self) -> tuple[DualQuaternion, ...]:
-        """The displacements from pose m to pose n, in the order of ``itertools.combinations``."""
-        between = (q * p.conjugate() for p, q in combinations(self.others, 2))
-        return *self.others, *(between if self.is_exact else map(_on_quadric, between))
+    def steps(self) -> DualQuaternion:
+        """The displacements from pose m to pose n, in the order of ``itertools.combinations``, on the first axis."""
+        first, second = zip(*combinations(range(len(self.others)), 2), strict=True)
+        between = self.others[list(second)] * self.others[list(first)].conjugate()
+        between = between if self.is_exact else _on_quadric(between)
+        return wrap(np.concatenate([self.others.components, between.components], axis=1))
 
-    @cached_property
-    def forms(self) -> tuple[Array, ...]:
+    @property
+    def forms(self) -> Array:
         """The Study forms b(p_m, p_n), in the order of the steps: their dual scalar parts."""
-        return tuple(step.components[4] for step in self.steps)
+        return self.steps.components[4]
 
     def outward(self, q: DualQuaternion) -> DualQuaternion:
         """What was found about the middle, in the frame and unit of the poses: half-turns and linear factors."""
@@ -209,19 +222,20 @@ def seen_together(*given: PoseLike, degenerate: Degenerate = "raise", rtol: floa
     if not exact:
         poses = [DualQuaternion(as_float(q.coeffs)) for q in poses]
     shape = np.broadcast_shapes(*[q.shape for q in poses])
-    home, *others = (q if q.shape == shape else DualQuaternion(np.broadcast_to(q.coeffs, (*shape, 8))) for q in poses)
-    seen = [unit(q * home.conjugate()) for q in others]
+    poses = [broadcast(q, shape) for q in poses]
+    home, others = poses[0], DualQuaternion.stack(poses[1:])
+    seen = unit(others * home.conjugate())
     if exact:
         if any(getattr(c, "free_symbols", None) for q in poses for c in q.components.ravel()):
             raise ValueError("the poses contain symbols: the roots that are needed have no closed form; put in numbers")
-        return PoseProblem(home, tuple(seen), np.zeros(3, dtype=int), np.array(1), np.array(0))
+        return PoseProblem(home, seen, np.zeros(3, dtype=int), np.array(1), np.array(0))
     with np.errstate(invalid="ignore", divide="ignore", over="ignore"):
-        middle = middle_of(seen, sum(_place(q) for q in poses) / len(poses))
-        centred = [moved_origin(q, middle) for q in seen]
-        length = power_of_two(reduce(np.maximum, [np.abs(q.components[4:]).max(axis=0) for q in centred]))
-        lever = reduce(np.maximum, [_lever(q) for q in poses])
-        scaled = tuple(_on_quadric(stretched(q, 1 / length)) for q in centred)
-        return PoseProblem(home, scaled, middle, length, np.finfo(float).eps * lever / length)
+        together = DualQuaternion.stack(poses)
+        middle = middle_of(seen, _place(together).mean(axis=0))
+        centred = moved_origin(seen, middle)
+        length = power_of_two(np.abs(centred.components[4:]).max(axis=(0, 1)))
+        noise = np.finfo(float).eps * _lever(together).max(axis=0) / length
+        return PoseProblem(home, _on_quadric(stretched(centred, 1 / length)), middle, length, noise)
 
 
 def _on_quadric(q: DualQuaternion) -> DualQuaternion:
@@ -231,63 +245,74 @@ def _on_quadric(q: DualQuaternion) -> DualQuaternion:
     component along p.
     """
     p, d = q.components[:4], q.components[4:]
-    square = p * p
-    near = 2 * square[0] > square.sum(axis=0)
-    along = (p * d).sum(axis=0)
-    shift = np.where(near, 0, along / square.sum(axis=0))
-    components = np.concatenate([p, d - p * shift])
-    components[4] = np.where(near, -(p[1:] * d[1:]).sum(axis=0) / np.where(near, p[0], 1), components[4])
+    square, real = null_form(q, q), p[0] * p[0]
+    near = 2 * real > square
+    along = np.einsum("k...,k...->...", p, d)
+    components = np.concatenate([p, d - p * np.where(near, 0, along / square)])
+    if near.any():
+        anew = -np.einsum("k...,k...->...", p[1:], d[1:]) / np.where(near, p[0], 1)
+        components[4] = np.where(near, anew, components[4])
     return wrap(components)
 
 
 def moved_origin(q: DualQuaternion, origin: np.ndarray) -> DualQuaternion:
     """The same displacement seen from another origin, shape (..., 3): 1 − ½εc times q times 1 + ½εc is q + ε(p × c)."""
+    origin = np.asarray(origin)
     p0, p1, p2, p3, d0, d1, d2, d3 = q.components
-    c1, c2, c3 = np.moveaxis(np.asarray(origin), -1, 0)
+    c1, c2, c3 = origin.transpose(-1, *range(origin.ndim - 1))
     moment = d1 + (p2 * c3 - p3 * c2), d2 + (p3 * c1 - p1 * c3), d3 + (p1 * c2 - p2 * c1)
-    return wrap(np.stack(np.broadcast_arrays(p0, p1, p2, p3, d0, *moment)))
+    moved = np.empty((8, *np.shape(moment[0])), dtype=np.result_type(q.components, origin))
+    for n, row in enumerate((p0, p1, p2, p3, d0, *moment)):
+        moved[n] = row
+    return wrap(moved)
 
 
 def stretched(q: DualQuaternion, factor: Array | float) -> DualQuaternion:
     """All lengths multiplied by a factor, shape (...); batches broadcast."""
-    missing = max(np.ndim(factor) - len(q.shape), 0)
-    components = q.components.reshape(8, *(1,) * missing, *q.shape)
-    return wrap(np.concatenate(np.broadcast_arrays(components[:4], components[4:] * factor)))
+    if np.ndim(factor) > len(q.shape):
+        q = wrap(q.components.reshape(8, *(1,) * (np.ndim(factor) - len(q.shape)), *q.shape))
+    return wrap(np.concatenate(np.broadcast_arrays(q.components[:4], q.components[4:] * factor)))
 
 
-def middle_of(seen: Sequence[DualQuaternion], start: np.ndarray | float = 0.0, steps: int = 2) -> np.ndarray:
+def middle_of(
+    seen: DualQuaternion | Sequence[DualQuaternion], start: np.ndarray | float = 0.0, steps: int = 2
+) -> np.ndarray:
     """The point that displacements move least, or one near the start that they move hardly more.
 
     Each step goes to the c with least Σ |d + p × c|², damped so that it does not run far along an axis that all
     displacements nearly share.
+
+    Parameters
+    ----------
+    seen : DualQuaternion, shape (displacements, ...), or a sequence of them
+    start : array, shape (..., 3)
+    steps : int
     """
-    middle = np.zeros(3) + start
+    seen, middle = seen if isinstance(seen, DualQuaternion) else DualQuaternion.stack(seen), np.zeros(3) + start
+    p = seen.components[1:4]
+    squares = np.einsum("in...,jn...->ij...", p, p)
     for _ in range(steps):
-        middle = middle + _step_to_middle([moved_origin(q, middle) for q in seen])
+        middle = middle + _step_to_middle(squares, p, moved_origin(seen, middle).components[5:])
     return middle
 
 
-def _step_to_middle(seen: Sequence[DualQuaternion]) -> np.ndarray:
-    """The solution of (Σ |p|² − p pᵀ) c = Σ p × d, damped."""
-    p1, p2, p3, d1, d2, d3 = np.stack([q.components[[1, 2, 3, 5, 6, 7]] for q in seen], axis=-1)
-    right = [_sum(x) for x in (p2 * d3 - p3 * d2, p3 * d1 - p1 * d3, p1 * d2 - p2 * d1)]
-    xx, yy, zz, xy, yz, zx = (_sum(x) for x in (p1 * p1, p2 * p2, p3 * p3, p1 * p2, p2 * p3, p3 * p1))
+def _step_to_middle(squares: np.ndarray, p: np.ndarray, d: np.ndarray) -> np.ndarray:
+    """The solution of (Σ |p|² − p pᵀ) c = Σ p × d, damped; given Σ p pᵀ and p, d with their components first."""
+    (xx, xy, zx), (_, yy, yz), (_, _, zz) = squares
+    (_, pd12, pd13), (pd21, _, pd23), (pd31, pd32, _) = np.einsum("in...,jn...->ij...", p, d)
+    right = pd23 - pd32, pd31 - pd13, pd12 - pd21
     slack = DAMPING * (xx + yy + zz)
     a, b, c = yy + zz + slack, zz + xx + slack, xx + yy + slack
     mxy, myz, mzx = c * xy + zx * yz, a * yz + xy * zx, b * zx + xy * yz
     rows = (b * c - yz * yz, mxy, mzx), (mxy, a * c - zx * zx, myz), (mzx, myz, a * b - xy * xy)
     determinant = a * rows[0][0] - xy * mxy - zx * mzx
     scale = np.where(determinant > 0, determinant, np.inf)
-    step = np.stack([sum(m * x for m, x in zip(row, right, strict=True)) / scale for row in rows], axis=-1)
+    step = np.stack([(l * right[0] + m * right[1] + n * right[2]) / scale for l, m, n in rows], axis=-1)
     return np.where(np.isfinite(step), step, 0)
 
 
 DAMPING = 1e-6
 """The square of the angle below which turns about nearly one axis do not tell where along it the middle is."""
-
-
-def _sum(x: np.ndarray) -> np.ndarray:
-    return x.sum(axis=-1)
 
 
 def _place(q: DualQuaternion) -> np.ndarray:
@@ -303,7 +328,8 @@ def _place(q: DualQuaternion) -> np.ndarray:
 
 def power_of_two(length: np.ndarray) -> np.ndarray:
     """The power of two next above a length; 1 for none at all."""
-    return np.where(np.isfinite(length) & (length > 0), np.ldexp(1.0, np.frexp(np.nan_to_num(length))[1]), 1.0)
+    defined = np.isfinite(length) & (length > 0)
+    return np.where(defined, np.ldexp(1.0, np.frexp(np.where(defined, length, 1.0))[1]), 1.0)
 
 
 def gap(reached: DualQuaternion, wanted: DualQuaternion, *, length: Array | float = 1.0) -> np.ndarray:
@@ -316,8 +342,8 @@ def gap(reached: DualQuaternion, wanted: DualQuaternion, *, length: Array | floa
     if is_exact(turned):
         return np.where(np.all(is_zero(turned) & is_zero(shifted), axis=0), 0.0, np.inf)
     with np.errstate(divide="ignore", invalid="ignore"):
-        off = np.maximum(np.abs(turned).max(axis=0), np.abs(shifted).max(axis=0) / length)
-        return off / np.abs(difference.scalar_part)
+        scale = np.abs(difference.scalar_part)
+        return np.maximum(np.abs(turned).max(axis=0), np.abs(shifted).max(axis=0) / length) / scale
 
 
 def opening(first: DualQuaternion, second: DualQuaternion) -> np.ndarray:

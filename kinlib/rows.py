@@ -29,15 +29,11 @@ def picked(q: DualQuaternion, rows: Array) -> DualQuaternion:
 
 
 def chosen(rows: Array, x: DualQuaternion, y: DualQuaternion) -> DualQuaternion:
-    """x in the given rows, y in the others; a row may hold both dyads."""
-    if not rows.any():
-        return y
-    return DualQuaternion(
-        np.where(rows.reshape(*rows.shape, *[1] * max(len(y.shape) - rows.ndim, 0), 1), x.coeffs, y.coeffs)
-    )
+    """x in the given rows, y in the others; on axes in front there may be several of both."""
+    return wrap(np.where(rows, x.components, y.components)) if rows.any() else y
 
 
-def replaced(q: DualQuaternion, rows: Array | tuple[Array, ...], new: DualQuaternion) -> DualQuaternion:
+def replaced(q: DualQuaternion, rows: Array | tuple[Array | slice, ...], new: DualQuaternion) -> DualQuaternion:
     """The same dual quaternions but for some rows, given by a mask or by their indices."""
     where: Any = rows if isinstance(rows, tuple) else (rows,)
     components = q.components.copy()

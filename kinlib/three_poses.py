@@ -2,38 +2,38 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import NamedTuple, TypeAlias
+from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 
 from kinlib.displacement import axis_of, unit
 from kinlib.dual_quaternion import DualQuaternion, eps, i, j, null_form, wrap
-from kinlib.dyad import Dyad, homogeneous_parameters, primal_coordinates, reached
+from kinlib.dyad import Dyad, homogeneous_parameters, reached
 from kinlib.dyad_routes import (
-    BOTH_ORDERS,
     ROUTES,
     Pair,
-    Spectrum,
     by_eigenvalues,
     conic_from,
     factored,
     half_turn_of,
     has_double_roots,
+    in_both_orders,
     on_axis,
     rounded,
+    size_of_turn,
     spectrum_of,
     start_of,
 )
 from kinlib.errors import report_faults
-from kinlib.factorization import factor_in_orders
 from kinlib.motion_polynomial import MotionPolynomial
 from kinlib.polishing import polished
 from kinlib.pose_faults import PoseFault, faults_of_poses, nearest_fault, tangent_faults
 from kinlib.poses import PoseProblem, as_pose, gap, opening, seen_together
 from kinlib.quadratics import quadratic_factors
-from kinlib.rows import chosen, masked, replaced
+from kinlib.rows import broadcast, chosen, masked, picked, replaced
 from kinlib.scalar import as_float, divide
 from kinlib.typing import Array, Degenerate, PoseLike, Scalars
 
@@ -123,7 +123,7 @@ def study_eigenvalues(p0: PoseLike, p1: PoseLike, p2: PoseLike) -> np.ndarray:
     problem = seen_together(*map(_in_floats, (p0, p1, p2)))
     faults = faults_of_poses(problem)
     report_faults(np.where(faults == PoseFault.INSIDE, 0, faults), PoseFault, "raise")
-    return spectrum_of(*problem.others).values * problem.length[..., None]
+    return np.moveaxis(spectrum_of(problem.others).values * problem.length, 0, -1)
 
 
 def _in_floats(pose: PoseLike) -> DualQuaternion:
@@ -137,7 +137,7 @@ Stop: TypeAlias = tuple[Scalars, Scalars]
 class TwoDyads(NamedTuple):
     """Both dyads through three poses, and the conic in linear factors about their axes, in the problem's own frame.
 
-    The last axis of each batch tells the dyads apart.  The factors are those of C(start + τ), a polynomial in τ: near
+    The first axis of each batch tells the dyads apart.  The factors are those of C(start + τ), a polynomial in τ: near
     t = start they keep digits that the factors of C(t) lose.  They are NaN where there is no conic.
     """
 
@@ -149,19 +149,19 @@ class TwoDyads(NamedTuple):
 
     def half_turns(self, n: int) -> Pair:
         """The half-turns about the axes of dyad n."""
-        return self.h1[..., n], self.h2[..., n]
+        return self.h1[n], self.h2[n]
 
     def factors(self, n: int) -> Pair:
         """The k1, k2 about the axes of dyad n with C(t) = (t − k1)(t − k2)."""
-        return self.k1[..., n] + self.start, self.k2[..., n] + self.start
+        return self.k1[n] + self.start, self.k2[n] + self.start
 
     def stops(self, n: int) -> tuple[Stop, Stop]:
         """The (s1, s2) with which dyad n is in the second pose, and in the third, as (s1 − h1)(s2 − h2).
 
         From t − k = y ((t − x)/y − h) for k = x + y h.
         """
-        x1, y1 = _about(self.k1[..., n], self.h1[..., n])
-        x2, y2 = _about(self.k2[..., n], self.h2[..., n])
+        x1, y1 = _about(self.k1[n], self.h1[n])
+        x2, y2 = _about(self.k2[n], self.h2[n])
         second, third = ((divide(t - x1, y1), divide(t - x2, y2)) for t in (0 - self.start, 1 - self.start))
         return second, third
 
@@ -183,20 +183,24 @@ def two_dyads(
         raise ValueError(f"expected a method among {', '.join(ROUTES)}, got {method!r}")
     if problem.is_exact and degenerate == "nan":
         raise ValueError("degenerate='nan' needs floats, since NaN is one: convert the poses, or use 'raise'")
-    faults, tangents = faults_of_poses(problem), tangent_faults(problem)
-    if not tangent or method != "eigenvalues":
-        faults = np.where(faults, faults, tangents)
+    only_conics = not tangent or method != "eigenvalues"
     if not problem.is_exact:
-        return _float_dyads(_replaced(problem, faults > 0), faults, method, degenerate, tangent)
-    report_faults(faults, PoseFault, degenerate)
+        return _checked(problem, _in_blocks(problem, method, only_conics, tangent), degenerate)
+    report_faults(_faults(problem, only_conics), PoseFault, degenerate)
     return _exact_dyads(problem)
+
+
+def _faults(problem: PoseProblem, only_conics: bool) -> np.ndarray:
+    """What is wrong with the poses themselves."""
+    faults = faults_of_poses(problem)
+    return np.where(faults, faults, tangent_faults(problem)) if only_conics else faults
 
 
 def _exact_dyads(problem: PoseProblem) -> TwoDyads:
     """From the two factorizations of the conic; the only irrational step is to split its quartic."""
     C = conic_from(problem, np.array(0))
     quadratics = quadratic_factors(C.norm_polynomial())
-    k1, k2 = factor_in_orders(C, quadratics, BOTH_ORDERS)
+    k1, k2 = in_both_orders(C, quadratics)
     both = TwoDyads(axis_of(k1), axis_of(k2), k1, k2, np.array(0))
     _report_missed(problem, _missed(problem.others, both.start, k1, k2) > 0, "raise")
     double = np.asarray((quadratics[..., 0, :] == quadratics[..., 1, :]).all(axis=-1))
@@ -205,32 +209,71 @@ def _exact_dyads(problem: PoseProblem) -> TwoDyads:
     return both
 
 
-def _float_dyads(problem: PoseProblem, faults: Array, method: str, degenerate: Degenerate, tangent: bool) -> TwoDyads:
+class Found(NamedTuple):
+    """Both dyads in floats, what is wrong with the poses, and by how much the dyads miss them."""
+
+    h1: DualQuaternion
+    h2: DualQuaternion
+    k1: DualQuaternion
+    k2: DualQuaternion
+    start: np.ndarray
+    faults: np.ndarray
+    off: np.ndarray
+
+
+BLOCK = 4096
+"""So many rows are solved at a time: their numbers stay in the cache."""
+
+
+def _in_blocks(problem: PoseProblem, method: str, only_conics: bool, tangent: bool) -> Found:
+    """Both dyads in floats, a block of rows at a time."""
+    shape, rows = problem.home.shape, math.prod(problem.home.shape)
+    if rows <= BLOCK:
+        return _float_dyads(problem, method, only_conics, tangent)
+    others, noise = wrap(problem.others.components.reshape(8, 2, rows)), problem.noise.reshape(rows)
+    blocks = [slice(n, n + BLOCK) for n in range(0, rows, BLOCK)]
+    parts = [replace(problem, others=others[:, block], noise=noise[block]) for block in blocks]
+    found = zip(*(_float_dyads(part, method, only_conics, tangent) for part in parts), strict=True)
+    return Found(*(_joined(part, shape) for part in found))
+
+
+def _joined(parts: Sequence[Any], shape: tuple[int, ...]) -> Any:
+    """The blocks of dual quaternions, or of numbers, as one batch."""
+    if isinstance(parts[0], DualQuaternion):
+        return wrap(_joined([q.components for q in parts], shape))
+    return np.concatenate(parts, axis=-1).reshape(*parts[0].shape[:-1], *shape)
+
+
+def _float_dyads(problem: PoseProblem, method: str, only_conics: bool, tangent: bool) -> Found:
     """By one of the routes, and by all that repairs what rounding does to it; faulty rows hold a regular problem."""
     with np.errstate(all="ignore"):
-        plane = spectrum_of(*problem.others)
-        start = start_of(problem)
+        faults = _faults(problem, only_conics)
+        problem = _replaced(problem, faults > 0)
+        plane, start = spectrum_of(problem.others), start_of(problem)
         C = conic_from(problem, start)
         h1, h2 = ROUTES[method](problem, plane)
-        k1, k2, missed = _improved(problem, C, start, *_linear_factors(h1, h2, C))
-        no_conic = ~(missed <= MET)
-        h1, h2 = (chosen(no_conic, h, half_turn_of(k)) for h, k in ((h1, k1), (h2, k2)))
+        k1, k2, off = _improved(problem, C, start, *_linear_factors(h1, h2, C))
+        no_conic = ~(off <= MET)
         double = has_double_roots(problem, plane) & (no_conic | _same_quadratics(k1, k2))
-        off = np.where(no_conic, _missed_by(problem, h1, h2), missed) if tangent and no_conic.any() else missed
-    faults = np.where(faults, faults, double * PoseFault.DOUBLE)
-    only = (
-        _only_dyad(problem, plane)
-        if degenerate == "raise" and faults.ndim == 0 and faults == PoseFault.DOUBLE
-        else None
-    )
-    bad = report_faults(faults, PoseFault, degenerate, dyad=only)
-    lost = ~bad & ~(off <= MET)
+        faults = np.where(faults, faults, double * PoseFault.DOUBLE)
+        if not no_conic.any():
+            h1, h2 = half_turn_of(k1), half_turn_of(k2)
+        else:
+            h1, h2 = (chosen(no_conic, h, half_turn_of(k)) for h, k in ((h1, k1), (h2, k2)))
+            off = np.where(no_conic, _missed_by(problem, h1, h2), off) if tangent else off
+        later = ~no_conic & _comes_later(k1)
+        h1, h2, k1, k2 = (_exchanged(q, later) for q in (h1, h2, k1, k2))
+        return Found(h1, h2, masked(k1, no_conic), masked(k2, no_conic), start, faults, off)
+
+
+def _checked(problem: PoseProblem, found: Found, degenerate: Degenerate) -> TwoDyads:
+    """What was found, where it meets the poses."""
+    only = degenerate == "raise" and found.faults.ndim == 0 and found.faults == PoseFault.DOUBLE
+    bad = report_faults(found.faults, PoseFault, degenerate, dyad=_only_dyad(problem) if only else None)
+    lost = ~bad & ~(found.off <= MET)
     _report_missed(problem, lost, degenerate)
-    bad = (bad | lost)[..., None]
-    later = ~no_conic & _comes_later(k1)
-    h1, h2, k1, k2 = (_exchanged(q, later) for q in (h1, h2, k1, k2))
-    k1, k2 = (masked(k, bad | no_conic[..., None]) for k in (k1, k2))
-    return TwoDyads(masked(h1, bad), masked(h2, bad), k1, k2, start)
+    h1, h2, k1, k2 = (masked(q, bad | lost) for q in (found.h1, found.h2, found.k1, found.k2))
+    return TwoDyads(h1, h2, k1, k2, found.start)
 
 
 def _report_missed(problem: PoseProblem, lost: np.ndarray, degenerate: Degenerate) -> None:
@@ -240,13 +283,13 @@ def _report_missed(problem: PoseProblem, lost: np.ndarray, degenerate: Degenerat
         report_faults(lost * nearest, PoseFault, degenerate, place=ALMOST, how_near=how_near)
 
 
-def _only_dyad(problem: PoseProblem, plane: Spectrum) -> Dyad:
+def _only_dyad(problem: PoseProblem) -> Dyad:
     """The dyad of a single problem with double roots."""
-    h1, h2 = by_eigenvalues(problem, rounded(plane))
+    h1, h2 = by_eigenvalues(problem, rounded(spectrum_of(problem.others)))
     return _dyad_of(problem, (h1[0], h2[0]))
 
 
-STAND_INS = tuple(unit(q.astype(float)) for q in (i * (j - eps * i), (1 - i) * (2 - j + eps * i)))
+STAND_INS = unit(DualQuaternion.stack([i * (j - eps * i), (1 - i) * (2 - j + eps * i)]).astype(float))
 """The second and the third pose of a regular problem, in place of faulty rows."""
 
 
@@ -254,24 +297,23 @@ def _replaced(problem: PoseProblem, rows: np.ndarray) -> PoseProblem:
     """The same problem with a regular one in place of the given rows."""
     if not rows.any():
         return problem
-    others = tuple(chosen(rows, stand_in, q) for q, stand_in in zip(problem.others, STAND_INS, strict=True))
-    return replace(problem, others=others)
-
-
-def _for_both(C: MotionPolynomial) -> MotionPolynomial:
-    """The polynomial once for each dyad."""
-    return MotionPolynomial.from_coefficients(c[..., None] for c in C.coefficients)
+    stand_ins = STAND_INS.components.reshape(8, 2, *(1,) * rows.ndim)
+    return replace(problem, others=wrap(np.where(rows, stand_ins, problem.others.components)))
 
 
 def _linear_factors(h1: DualQuaternion, h2: DualQuaternion, C: MotionPolynomial) -> Pair:
-    """The k1, k2 about the axes of h1, h2 with C = (τ − k1)(τ − k2), for a monic conic in their 2R space.
+    """The k1, k2 about the axes of h1, h2 of length 1 with C = (τ − k1)(τ − k2), for a monic conic in their 2R space.
 
     With k = x + y h for each axis the coefficients of C in the basis 1, h1, h2, h1h2 are those of
-    τ² − (x1 + x2 + y1 h1 + y2 h2) τ + (x1 + y1 h1)(x2 + y2 h2).
+    τ² − (x1 + x2 + y1 h1 + y2 h2) τ + (x1 + y1 h1)(x2 + y2 h2); those with h1 and h2 follow from the inner products
+    with these.
     """
-    linear, constant = (primal_coordinates(c[..., None], h1, h2) for c in C.coefficients[1:])
-    y1, y2 = -linear[1], -linear[2]
-    return h1 * y1 + divide(constant[2], y2), h2 * y2 + divide(constant[1], y1)
+    cosine = null_form(h1, h2)
+    area = 1 - cosine * cosine
+    linear, constant = ((null_form(c, h1) / area, null_form(c, h2) / area) for c in C.coefficients[1:])
+    y1, y2 = cosine * linear[1] - linear[0], cosine * linear[0] - linear[1]
+    first, second = constant[0] - cosine * constant[1], constant[1] - cosine * constant[0]
+    return h1 * y1 + second / y2, h2 * y2 + first / y1
 
 
 def _improved(
@@ -282,65 +324,62 @@ def _improved(
     poor = ~(missed <= GOOD)
     if not poor.any():
         return *best, missed
-    others, begin, C = [q[poor] for q in problem.others], start[poor], _rows(C, poor)
-    kept, off = [k[poor] for k in best], missed[poor]
+    others, begin = problem.others[:, poor], start[poor]
+    C = MotionPolynomial.from_coefficients(picked(c, poor) for c in C.coefficients)
+    kept, off = [k[:, poor] for k in best], missed[poor]
     for factors in (kept, factored(C)):
-        candidate = [on_axis(k) for k in polished(_for_both(C), factors)]
+        candidate = [on_axis(k) for k in polished(C, factors)]
         candidate_off = np.where(_coincide(candidate[0]), np.inf, _missed(others, begin, *candidate))
         gain = ~(candidate_off >= off)
         kept = [chosen(gain, new, old) for new, old in zip(candidate, kept, strict=True)]
         off = np.where(gain, candidate_off, off)
     missed = missed.copy()
     missed[poor] = off
-    better1, better2 = (replaced(k, poor, new) for k, new in zip(best, kept, strict=True))
+    better1, better2 = (replaced(k, (slice(None), poor), new) for k, new in zip(best, kept, strict=True))
     return better1, better2, missed
 
 
-def _rows(C: MotionPolynomial, rows: np.ndarray) -> MotionPolynomial:
-    return MotionPolynomial.from_coefficients(c[rows] for c in C.coefficients)
+def _missed(others: DualQuaternion, start: Array, k1: DualQuaternion, k2: DualQuaternion) -> np.ndarray:
+    """How far both chains together are from the poses at t = 0 and t = 1, and from each other on the way.
 
-
-def _missed(others: Sequence[DualQuaternion], start: Array, k1: DualQuaternion, k2: DualQuaternion) -> np.ndarray:
-    """How far both chains together are from the poses at t = 0 and t = 1, and from each other on the way."""
-    f1, f2 = k1 + start[..., None], k2 + start[..., None]
-    off = gap(f1 * f2, others[0][..., None]), gap((1 - f1) * (1 - f2), others[1][..., None])
-    return np.maximum(np.maximum(*off).max(axis=-1), _open(f1, f2))
-
-
-def _open(f1: DualQuaternion, f2: DualQuaternion) -> np.ndarray:
-    """How far the loop of both chains is open where it is most so: where one joint turns fastest, at t = Re f."""
-    t = np.stack([f[..., 0].scalar_part for f in (f1, f2)], axis=-1)
-    first, second = ((t - f1[..., n, None]) * (t - f2[..., n, None]) for n in range(2))
-    return opening(first, second).max(axis=-1)
+    The loop of both chains is most open where one joint turns fastest, at t = Re f.
+    """
+    f1, f2 = k1 + start, k2 + start
+    x1, x2 = (f.scalar_part[0] for f in (f1, f2))
+    t = np.stack(np.broadcast_arrays(0 * x1, 0 * x1 + 1, x1, x2))[:, None]
+    reached = (t - f1) * (t - f2)
+    off = gap(reached[:2], wrap(others.components[:, :, None]))
+    apart = opening(reached[2:, 0], reached[2:, 1])
+    return np.maximum(off.max(axis=(0, 1)), apart.max(axis=0))
 
 
 def _missed_by(problem: PoseProblem, h1: DualQuaternion, h2: DualQuaternion) -> np.ndarray:
     """How far both dyads together are from the poses, whatever their parameters there."""
-    seen = [q[..., None] for q in problem.others]
-    turns = [homogeneous_parameters(q, h1, h2) for q in seen]
-    off = [gap(reached(h1, h2, turn), q) for turn, q in zip(turns, seen, strict=True)]
-    return np.maximum(*off).max(axis=-1)
+    seen = [broadcast(q, h1.shape) for q in problem.others]
+    off = [gap(reached(h1, h2, homogeneous_parameters(q, h1, h2)), q) for q in seen]
+    return np.maximum(*off).max(axis=0)
 
 
 def _coincide(k: DualQuaternion) -> np.ndarray:
     """Whether what should be the factors of two dyads is the same twice."""
-    return gap(k[..., 0], k[..., 1]) <= MET
+    return gap(k[0], k[1]) <= MET
 
 
 def _same_quadratics(k1: DualQuaternion, k2: DualQuaternion) -> np.ndarray:
     """Whether the two quadratics of the conic agree more or less, so that double roots are believed."""
-    (x1, y1), (x2, y2) = (_about(k[..., 0], half_turn_of(k[..., 0])) for k in (k1, k2))
+    y1, y2 = (size_of_turn(k[0]) for k in (k1, k2))
+    x1, x2 = (k.scalar_part[0] for k in (k1, k2))
     return np.maximum(np.abs(x1 - x2), np.abs(y1 - y2)) <= 1e-3 * (y1 + y2)
 
 
 def _comes_later(k1: DualQuaternion) -> np.ndarray:
     """Whether the base joint of the first dyad has the later quadratic: the larger real part of the root, or both
     real parts the same and the larger imaginary part."""
-    x, y = _about(k1, half_turn_of(k1))
-    tied = np.abs(x[..., 0] - x[..., 1]) <= TIE * y.sum(axis=-1)
-    return np.where(tied, y[..., 0] > y[..., 1], x[..., 0] > x[..., 1])
+    x, y = k1.scalar_part, size_of_turn(k1)
+    tied = np.abs(x[0] - x[1]) <= TIE * (y[0] + y[1])
+    return np.where(tied, y[0] > y[1], x[0] > x[1])
 
 
 def _exchanged(q: DualQuaternion, rows: np.ndarray) -> DualQuaternion:
     """The two dyads in the other order in some rows."""
-    return wrap(np.where(rows[..., None], q.components[..., ::-1], q.components))
+    return wrap(np.where(rows, q.components[:, ::-1], q.components)) if rows.any() else q

@@ -324,10 +324,10 @@ class ZPlane:
 
     def _missed(self, chains: list[Factors], rows: np.ndarray | None = None) -> np.ndarray:
         """How far the chains are from the poses, and from each other where a joint turns fastest, at t = Re f."""
-        stops, seen = self.parameters[1:], self._seen
+        stops, seen = self.parameters[1:], list(self._seen)
         if rows is not None:
             stops = tuple(np.broadcast_to(t, rows.shape)[rows] for t in stops)
-            seen = tuple(picked(q, rows) for q in seen)
+            seen = [picked(q, rows) for q in seen]
         places = [*stops, *(h.scalar_part for h in chains[0])][: 3 if self.problem.is_exact else None]
         t = np.stack(np.broadcast_arrays(*places), axis=-1)
         values = [_product_at(chain, t) for chain in chains]
@@ -336,10 +336,10 @@ class ZPlane:
         return np.max(np.broadcast_arrays(*off), axis=0)
 
     @property
-    def _seen(self) -> tuple[DualQuaternion, ...]:
+    def _seen(self) -> DualQuaternion:
         """The poses as seen from the end from which the chains begin."""
         others = self.problem.others
-        return others if self.side == "base" else tuple(q.conjugate() for q in others)
+        return others if self.side == "base" else others.conjugate()
 
     def _nearest(self, z1: PlaneNumber, z2: PlaneNumber) -> tuple[np.ndarray, np.ndarray]:
         """The bad place that z is nearest to, and how near, relative to the size of the numbers."""
