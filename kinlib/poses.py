@@ -209,6 +209,18 @@ class PoseProblem:
         """What is given in the frame and unit of the poses, as seen about the middle."""
         return stretched(moved_origin(q, self.middle), divide(1, self.length) if self.is_exact else 1 / self.length)
 
+    def flat(self) -> PoseProblem:
+        """The same problems in floats, one after the other."""
+        home, others = self.home.components.reshape(8, -1), self.others.components.reshape(8, len(self.others), -1)
+        return PoseProblem(
+            wrap(home), wrap(others), self.middle.reshape(-1, 3), self.length.reshape(-1), self.noise.reshape(-1)
+        )
+
+    def some(self, rows: Array | slice) -> PoseProblem:
+        """The problems in floats of some rows, given by a mask or a slice."""
+        parts = self.middle[rows], self.length[rows], self.noise[rows]
+        return PoseProblem(self.home[rows], self.others[:, rows], *parts)
+
     @property
     def is_exact(self) -> bool:
         """Whether nothing is rounded."""
@@ -234,7 +246,7 @@ def seen_together(*given: PoseLike, degenerate: Degenerate = "raise", rtol: floa
         middle = middle_of(seen, _place(together).mean(axis=0))
         centred = moved_origin(seen, middle)
         length = power_of_two(np.abs(centred.components[4:]).max(axis=(0, 1)))
-        noise = np.finfo(float).eps * _lever(together).max(axis=0) / length
+        noise = np.asarray(np.finfo(float).eps * _lever(together).max(axis=0) / length)
         return PoseProblem(home, _on_quadric(stretched(centred, 1 / length)), middle, length, noise)
 
 
@@ -257,11 +269,11 @@ def _on_quadric(q: DualQuaternion) -> DualQuaternion:
 
 def moved_origin(q: DualQuaternion, origin: np.ndarray) -> DualQuaternion:
     """The same displacement seen from another origin, shape (..., 3): 1 − ½εc times q times 1 + ½εc is q + ε(p × c)."""
-    origin = np.asarray(origin)
+    origin = np.asarray(origin, dtype=np.result_type(q.components, origin))  # whole numbers of Python beside exact ones
     p0, p1, p2, p3, d0, d1, d2, d3 = q.components
     c1, c2, c3 = origin.transpose(-1, *range(origin.ndim - 1))
     moment = d1 + (p2 * c3 - p3 * c2), d2 + (p3 * c1 - p1 * c3), d3 + (p1 * c2 - p2 * c1)
-    moved = np.empty((8, *np.shape(moment[0])), dtype=np.result_type(q.components, origin))
+    moved = np.empty((8, *np.shape(moment[0])), dtype=origin.dtype)
     for n, row in enumerate((p0, p1, p2, p3, d0, *moment)):
         moved[n] = row
     return wrap(moved)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import Any, NamedTuple, TypeAlias
 
@@ -33,7 +33,7 @@ from kinlib.polishing import polished
 from kinlib.pose_faults import PoseFault, faults_of_poses, nearest_fault, tangent_faults
 from kinlib.poses import PoseProblem, as_pose, gap, opening, seen_together
 from kinlib.quadratics import quadratic_factors
-from kinlib.rows import broadcast, chosen, masked, picked, replaced
+from kinlib.rows import broadcast, chosen, masked, replaced
 from kinlib.scalar import as_float, divide
 from kinlib.typing import Array, Degenerate, PoseLike, Scalars
 
@@ -185,7 +185,7 @@ def two_dyads(
         raise ValueError("degenerate='nan' needs floats, since NaN is one: convert the poses, or use 'raise'")
     only_conics = not tangent or method != "eigenvalues"
     if not problem.is_exact:
-        return _checked(problem, _in_blocks(problem, method, only_conics, tangent), degenerate)
+        return _checked(problem, _float_dyads(problem, method, only_conics, tangent), degenerate)
     report_faults(_faults(problem, only_conics), PoseFault, degenerate)
     return _exact_dyads(problem)
 
@@ -210,7 +210,7 @@ def _exact_dyads(problem: PoseProblem) -> TwoDyads:
 
 
 class Found(NamedTuple):
-    """Both dyads in floats, what is wrong with the poses, and by how much the dyads miss them."""
+    """Both dyads in floats, what is wrong with the poses, how far the dyads are from them; rows on the last axis."""
 
     h1: DualQuaternion
     h2: DualQuaternion
@@ -218,23 +218,96 @@ class Found(NamedTuple):
     k2: DualQuaternion
     start: np.ndarray
     faults: np.ndarray
-    off: np.ndarray
+    close: np.ndarray  # whether two eigenvalues of the plane agree as nearly as they can be told
+    missed: np.ndarray
+
+    @property
+    def no_conic(self) -> np.ndarray:
+        """Where the factors are those of no conic through the poses."""
+        return ~(self.missed <= MET)
+
+    def in_order(self) -> Found:
+        """The half-turns of the factors, and first the dyad that is to come first."""
+        no_conic = self.no_conic
+        h1, h2 = (chosen(no_conic, h, half_turn_of(k)) for h, k in ((self.h1, self.k1), (self.h2, self.k2)))
+        later = ~no_conic & _comes_later(self.k1)
+        h1, h2, k1, k2 = (_exchanged(q, later) for q in (h1, h2, self.k1, self.k2))
+        return self._replace(h1=h1, h2=h2, k1=k1, k2=k2)
 
 
-BLOCK = 4096
+def _float_dyads(problem: PoseProblem, method: str, only_conics: bool, tangent: bool) -> Found:
+    """By one of the routes, and by all that repairs what rounding does to it."""
+    with np.errstate(all="ignore"):
+        found = in_blocks(problem, lambda part: _by_one_route(part, method, only_conics))
+        poor = ~(found.missed <= GOOD) & (found.faults == 0)
+        if poor.any():
+            found = _with(found, poor, _improved(problem.some(poor), _of_rows(found, poor)))
+        double = found.close & (found.faults == 0)
+        if double.any():
+            double &= found.no_conic | _same_quadratics(found.k1, found.k2)
+            found = found._replace(faults=np.where(double, PoseFault.DOUBLE, found.faults))
+        return _without_conic(problem, found) if tangent and found.no_conic.any() else found
+
+
+def _without_conic(problem: PoseProblem, found: Found) -> Found:
+    """Dyads are judged by themselves where there is no conic."""
+    k1, k2 = (masked(k, found.no_conic) for k in (found.k1, found.k2))
+    missed = np.where(found.no_conic, _missed_by(problem, found.h1, found.h2), found.missed)
+    return found._replace(k1=k1, k2=k2, missed=missed)
+
+
+def _by_one_route(problem: PoseProblem, method: str, only_conics: bool) -> Found:
+    """What one of the routes finds; faulty rows hold a regular problem."""
+    faults = _faults(problem, only_conics)
+    problem = _replaced(problem, faults > 0)
+    plane, start = spectrum_of(problem.others), start_of(problem)
+    h1, h2 = ROUTES[method](problem, plane)
+    k1, k2 = (on_axis(k) for k in _linear_factors(h1, h2, conic_from(problem, start)))
+    missed, close = _missed(problem.others, start, k1, k2), has_double_roots(problem, plane)
+    return Found(h1, h2, k1, k2, start, faults, np.asarray(close), np.asarray(missed)).in_order()
+
+
+def _improved(problem: PoseProblem, found: Found) -> Found:
+    """Better linear factors where they miss a pose, from those that there are or from the conic itself."""
+    C = conic_from(problem, found.start)
+    kept, off = [found.k1, found.k2], found.missed
+    for factors in (kept, factored(C)):
+        candidate = [on_axis(k) for k in polished(C, factors)]
+        candidate_off = _missed(problem.others, found.start, *candidate)
+        candidate_off = np.where(_coincide(candidate[0]), np.inf, candidate_off)
+        gain = ~(candidate_off >= off)
+        kept = [chosen(gain, new, old) for new, old in zip(candidate, kept, strict=True)]
+        off = np.where(gain, candidate_off, off)
+    return found._replace(k1=kept[0], k2=kept[1], missed=off).in_order()
+
+
+def _of_rows(found: Found, rows: np.ndarray) -> Found:
+    """Some of the rows."""
+    h1, h2, k1, k2 = (q[:, rows] for q in (found.h1, found.h2, found.k1, found.k2))
+    return Found(h1, h2, k1, k2, found.start[rows], found.faults[rows], found.close[rows], found.missed[rows])
+
+
+def _with(found: Found, rows: np.ndarray, new: Found) -> Found:
+    """The same with other factors in some rows."""
+    turns = zip((found.h1, found.h2, found.k1, found.k2), (new.h1, new.h2, new.k1, new.k2), strict=True)
+    h1, h2, k1, k2 = (replaced(old, (slice(None), rows), better) for old, better in turns)
+    missed = found.missed.copy()
+    missed[rows] = new.missed
+    return found._replace(h1=h1, h2=h2, k1=k1, k2=k2, missed=missed)
+
+
+BLOCK = 2048
 """So many rows are solved at a time: their numbers stay in the cache."""
 
 
-def _in_blocks(problem: PoseProblem, method: str, only_conics: bool, tangent: bool) -> Found:
-    """Both dyads in floats, a block of rows at a time."""
+def in_blocks(problem: PoseProblem, solve: Callable[[PoseProblem], Found]) -> Found:
+    """What is found for a problem, a block of its rows at a time."""
     shape, rows = problem.home.shape, math.prod(problem.home.shape)
     if rows <= BLOCK:
-        return _float_dyads(problem, method, only_conics, tangent)
-    others, noise = wrap(problem.others.components.reshape(8, 2, rows)), problem.noise.reshape(rows)
-    blocks = [slice(n, n + BLOCK) for n in range(0, rows, BLOCK)]
-    parts = [replace(problem, others=others[:, block], noise=noise[block]) for block in blocks]
-    found = zip(*(_float_dyads(part, method, only_conics, tangent) for part in parts), strict=True)
-    return Found(*(_joined(part, shape) for part in found))
+        return solve(problem)
+    problem = problem.flat()
+    parts = zip(*(solve(problem.some(slice(n, n + BLOCK))) for n in range(0, rows, BLOCK)), strict=True)
+    return Found(*(_joined(part, shape) for part in parts))
 
 
 def _joined(parts: Sequence[Any], shape: tuple[int, ...]) -> Any:
@@ -244,33 +317,11 @@ def _joined(parts: Sequence[Any], shape: tuple[int, ...]) -> Any:
     return np.concatenate(parts, axis=-1).reshape(*parts[0].shape[:-1], *shape)
 
 
-def _float_dyads(problem: PoseProblem, method: str, only_conics: bool, tangent: bool) -> Found:
-    """By one of the routes, and by all that repairs what rounding does to it; faulty rows hold a regular problem."""
-    with np.errstate(all="ignore"):
-        faults = _faults(problem, only_conics)
-        problem = _replaced(problem, faults > 0)
-        plane, start = spectrum_of(problem.others), start_of(problem)
-        C = conic_from(problem, start)
-        h1, h2 = ROUTES[method](problem, plane)
-        k1, k2, off = _improved(problem, C, start, *_linear_factors(h1, h2, C))
-        no_conic = ~(off <= MET)
-        double = has_double_roots(problem, plane) & (no_conic | _same_quadratics(k1, k2))
-        faults = np.where(faults, faults, double * PoseFault.DOUBLE)
-        if not no_conic.any():
-            h1, h2 = half_turn_of(k1), half_turn_of(k2)
-        else:
-            h1, h2 = (chosen(no_conic, h, half_turn_of(k)) for h, k in ((h1, k1), (h2, k2)))
-            off = np.where(no_conic, _missed_by(problem, h1, h2), off) if tangent else off
-        later = ~no_conic & _comes_later(k1)
-        h1, h2, k1, k2 = (_exchanged(q, later) for q in (h1, h2, k1, k2))
-        return Found(h1, h2, masked(k1, no_conic), masked(k2, no_conic), start, faults, off)
-
-
 def _checked(problem: PoseProblem, found: Found, degenerate: Degenerate) -> TwoDyads:
     """What was found, where it meets the poses."""
     only = degenerate == "raise" and found.faults.ndim == 0 and found.faults == PoseFault.DOUBLE
     bad = report_faults(found.faults, PoseFault, degenerate, dyad=_only_dyad(problem) if only else None)
-    lost = ~bad & ~(found.off <= MET)
+    lost = ~bad & ~(found.missed <= MET)
     _report_missed(problem, lost, degenerate)
     h1, h2, k1, k2 = (masked(q, bad | lost) for q in (found.h1, found.h2, found.k1, found.k2))
     return TwoDyads(h1, h2, k1, k2, found.start)
@@ -314,29 +365,6 @@ def _linear_factors(h1: DualQuaternion, h2: DualQuaternion, C: MotionPolynomial)
     y1, y2 = cosine * linear[1] - linear[0], cosine * linear[0] - linear[1]
     first, second = constant[0] - cosine * constant[1], constant[1] - cosine * constant[0]
     return h1 * y1 + second / y2, h2 * y2 + first / y1
-
-
-def _improved(
-    problem: PoseProblem, C: MotionPolynomial, start: Array, k1: DualQuaternion, k2: DualQuaternion
-) -> tuple[DualQuaternion, DualQuaternion, Array]:
-    """The linear factors, or better ones where these miss a pose; and by how much they still miss one, shape (...)."""
-    best, missed = (on_axis(k1), on_axis(k2)), np.asarray(_missed(problem.others, start, k1, k2))
-    poor = ~(missed <= GOOD)
-    if not poor.any():
-        return *best, missed
-    others, begin = problem.others[:, poor], start[poor]
-    C = MotionPolynomial.from_coefficients(picked(c, poor) for c in C.coefficients)
-    kept, off = [k[:, poor] for k in best], missed[poor]
-    for factors in (kept, factored(C)):
-        candidate = [on_axis(k) for k in polished(C, factors)]
-        candidate_off = np.where(_coincide(candidate[0]), np.inf, _missed(others, begin, *candidate))
-        gain = ~(candidate_off >= off)
-        kept = [chosen(gain, new, old) for new, old in zip(candidate, kept, strict=True)]
-        off = np.where(gain, candidate_off, off)
-    missed = missed.copy()
-    missed[poor] = off
-    better1, better2 = (replaced(k, (slice(None), poor), new) for k, new in zip(best, kept, strict=True))
-    return better1, better2, missed
 
 
 def _missed(others: DualQuaternion, start: Array, k1: DualQuaternion, k2: DualQuaternion) -> np.ndarray:

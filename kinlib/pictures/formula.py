@@ -81,7 +81,9 @@ class Tape:
         """The result of an operation, which is an earlier one if that is the same function; or zero."""
         if not isinstance(value, Fraction):
             key: Any = (operation, operands)
-            return self._known.get(key) or self._remember(key, self._write(Step(operation, operands), value))
+            if key not in self._known:
+                self._remember(key, self._write(Step(operation, operands), value))
+            return self._known[key]
         if value == 0:
             return 0
         if value in self._known:
