@@ -170,17 +170,15 @@ class DualQuaternion:
         >>> (1 + eps * i).inverse(), (2 * j).inverse()
         (1 - εi, -1/2 j)
         """
-        a, b = self.norm()._components[[0, 4]]
-        if np.any(is_zero(a, rtol=0)):
+        p, d = self._components[:4], self._components[4:]
+        square = _inner(p, p)
+        if np.any(is_zero(square, rtol=0)):
             raise ZeroDivisionError("no inverse: p p̄ = 0 for the primal part p, so q divides zero")
-        return self.conjugate() * self._from_dual_number(divide(1, a), divide(-b, a * a))
-
-    @classmethod
-    def _from_dual_number(cls, real: Any, dual: Any) -> DualQuaternion:
-        real, dual = np.asarray(real), np.asarray(dual)
-        components = np.zeros((8, *real.shape), dtype=np.result_type(real, dual))
-        components[0], components[4] = real, dual
-        return wrap(components)
+        conjugate = self.conjugate()
+        real, dual = divide(1, square), divide(-2 * _inner(p, d), square * square)
+        inverse = conjugate._components * real
+        inverse[4:] = inverse[4:] + conjugate._components[:4] * dual
+        return wrap(inverse)
 
     def astype(self, dtype: DTypeLike) -> DualQuaternion:
         """The same value with coefficients of another kind, such as ``float``.
@@ -357,20 +355,20 @@ def null_form(x: DualQuaternion, y: DualQuaternion) -> Scalars:
 
 def _inner(p: np.ndarray, r: np.ndarray) -> Scalars:
     """Σ p_k r_k for components first, four of each; batches broadcast from the right."""
-    if p.dtype == r.dtype == float:
-        return p @ r if p.ndim == r.ndim == 1 else np.einsum("k...,k...->...", p, r)
+    if p.dtype == r.dtype == float and p.ndim == r.ndim:
+        return np.add.reduce(p * r, axis=0)  # in the same order, so with the same rounding
     (p0, p1, p2, p3), (r0, r1, r2, r3) = p, r
     return p0 * r0 + p1 * r1 + p2 * r2 + p3 * r3
 
 
 def left_matrix(q: DualQuaternion) -> np.ndarray:
     """The matrix of x ↦ q x, shape (..., 8, 8), in floats."""
-    return np.moveaxis(as_float(q.components)[NUMBERS], (0, 1), (-2, -1)) * SIGNS
+    return np.moveaxis(np.tensordot(TABLE, as_float(q.components), (0, 0)), (0, 1), (-2, -1))
 
 
 def right_matrix(q: DualQuaternion) -> np.ndarray:
     """The matrix of x ↦ x q, shape (..., 8, 8), in floats."""
-    return np.moveaxis(as_float(q.components)[RIGHT_NUMBERS], (0, 1), (-2, -1)) * RIGHT_SIGNS
+    return np.moveaxis(np.tensordot(TABLE, as_float(q.components), (2, 0)), (1, 0), (-2, -1))
 
 
 def eps_times(q: DualQuaternion) -> DualQuaternion:
@@ -503,10 +501,10 @@ def _product_formula(a: Any, b: Any) -> tuple[Any, ...]:
         p0 * r1 + p1 * r0 + p2 * r3 - p3 * r2,
         p0 * r2 - p1 * r3 + p2 * r0 + p3 * r1,
         p0 * r3 + p1 * r2 - p2 * r1 + p3 * r0,
-        p0 * e0 - p1 * e1 - p2 * e2 - p3 * e3 + d0 * r0 - d1 * r1 - d2 * r2 - d3 * r3,
-        p0 * e1 + p1 * e0 + p2 * e3 - p3 * e2 + d0 * r1 + d1 * r0 + d2 * r3 - d3 * r2,
-        p0 * e2 - p1 * e3 + p2 * e0 + p3 * e1 + d0 * r2 - d1 * r3 + d2 * r0 + d3 * r1,
-        p0 * e3 + p1 * e2 - p2 * e1 + p3 * e0 + d0 * r3 + d1 * r2 - d2 * r1 + d3 * r0,
+        p0 * e0 - p1 * e1 - p2 * e2 - p3 * e3 + (d0 * r0 - d1 * r1 - d2 * r2 - d3 * r3),
+        p0 * e1 + p1 * e0 + p2 * e3 - p3 * e2 + (d0 * r1 + d1 * r0 + d2 * r3 - d3 * r2),
+        p0 * e2 - p1 * e3 + p2 * e0 + p3 * e1 + (d0 * r2 - d1 * r3 + d2 * r0 + d3 * r1),
+        p0 * e3 + p1 * e2 - p2 * e1 + p3 * e0 + (d0 * r3 + d1 * r2 - d2 * r1 + d3 * r0),
     )
 
 
@@ -518,17 +516,22 @@ def _product(a: np.ndarray, b: np.ndarray) -> np.ndarray:
     if a.dtype == b.dtype == float and max(a.size, b.size) <= 8 * FEW:
         a, b = _aligned(a, b)
         if np.broadcast(a, b).size <= 8 * FEW:
-            product = np.einsum("nm,nm...,m...->n...", SIGNS, a[NUMBERS], b)
-            if np.isfinite(product).all():  # else 0 · ∞ may have come in
-                return product
+            return _product_by_tables(a, b)
     return blockwise(_product_formula, a, b, rows=8)
 
 
+def _product_by_tables(a: np.ndarray, b: np.ndarray) -> np.ndarray:
+    """The same sums in the same order, so with the same rounding, by few calls of NumPy."""
+    signs = SIGNS.reshape(4, 4, *(1,) * (a.ndim - 1))
+    pr, pe, dr = np.add.reduce(a[LEFT] * (signs * b[RIGHT]), axis=2)
+    return np.concatenate([pr, pe + dr])
+
+
 TABLE = np.array([_product_formula(unit, np.eye(8)) for unit in np.eye(8)])
-NUMBERS, SIGNS = np.abs(TABLE).argmax(axis=0), TABLE.sum(axis=0)
-"""Component n of a product ab is the sum of SIGNS[n, m] a[NUMBERS[n, m]] b[m] over m."""
-RIGHT_NUMBERS, RIGHT_SIGNS = np.abs(TABLE).argmax(axis=2).T, TABLE.sum(axis=2).T
-"""It is also the sum of RIGHT_SIGNS[n, m] b[RIGHT_NUMBERS[n, m]] a[m] over m."""
+NUMBERS, SIGNS = np.abs(TABLE[:4, :4, :4]).argmax(axis=2).T, TABLE[:4, :4, :4].sum(axis=2).T
+"""Component n of a product pr of quaternions is the sum of SIGNS[n, k] p[k] r[NUMBERS[n, k]] over k."""
+LEFT = np.array([0, 0, 4])[:, None, None] + np.arange(4)
+RIGHT = np.array([0, 4, 0])[:, None, None] + NUMBERS
 
 
 def blockwise(formula: Callable[..., tuple[Any, ...]], *operands: np.ndarray, rows: int) -> np.ndarray:

@@ -104,7 +104,7 @@ def size_of_turn(k: DualQuaternion) -> np.ndarray:
 
 def _dot(x: np.ndarray, y: np.ndarray) -> np.ndarray:
     """Inner products of vectors with their components first."""
-    return np.einsum("k...,k...->...", x, y)
+    return np.add.reduce(x * y, axis=0)
 
 
 def normalised(x: DualQuaternion) -> DualQuaternion:

@@ -26,7 +26,7 @@ from kinlib.dual_quaternion import (
     wrap,
 )
 from kinlib.errors import DegenerateError, check_degenerate, named_rows
-from kinlib.rows import broadcast, masked
+from kinlib.rows import broadcast, hold_memory, masked
 from kinlib.scalar import ROUNDING, RTOL, as_float, divide, is_exact, is_zero
 from kinlib.typing import Array, ArrayLike, Degenerate, PoseLike, RigidTransformLike
 
@@ -234,6 +234,8 @@ def seen_together(*given: PoseLike, degenerate: Degenerate = "raise", rtol: floa
     if not exact:
         poses = [DualQuaternion(as_float(q.coeffs)) for q in poses]
     shape = np.broadcast_shapes(*[q.shape for q in poses])
+    if shape:
+        hold_memory()
     poses = [broadcast(q, shape) for q in poses]
     home, others = poses[0], DualQuaternion.stack(poses[1:])
     seen = unit(others * home.conjugate())
@@ -259,10 +261,10 @@ def _on_quadric(q: DualQuaternion) -> DualQuaternion:
     p, d = q.components[:4], q.components[4:]
     square, real = null_form(q, q), p[0] * p[0]
     near = 2 * real > square
-    along = np.einsum("k...,k...->...", p, d)
+    along = (p * d).sum(axis=0)
     components = np.concatenate([p, d - p * np.where(near, 0, along / square)])
     if near.any():
-        anew = -np.einsum("k...,k...->...", p[1:], d[1:]) / np.where(near, p[0], 1)
+        anew = -(p[1:] * d[1:]).sum(axis=0) / np.where(near, p[0], 1)
         components[4] = np.where(near, anew, components[4])
     return wrap(components)
 
@@ -302,7 +304,7 @@ def middle_of(
     """
     seen, middle = seen if isinstance(seen, DualQuaternion) else DualQuaternion.stack(seen), np.zeros(3) + start
     p = seen.components[1:4]
-    squares = np.einsum("in...,jn...->ij...", p, p)
+    squares = (p[:, None] * p).sum(axis=2)
     for _ in range(steps):
         middle = middle + _step_to_middle(squares, p, moved_origin(seen, middle).components[5:])
     return middle
@@ -311,7 +313,7 @@ def middle_of(
 def _step_to_middle(squares: np.ndarray, p: np.ndarray, d: np.ndarray) -> np.ndarray:
     """The solution of (Σ |p|² − p pᵀ) c = Σ p × d, damped; given Σ p pᵀ and p, d with their components first."""
     (xx, xy, zx), (_, yy, yz), (_, _, zz) = squares
-    (_, pd12, pd13), (pd21, _, pd23), (pd31, pd32, _) = np.einsum("in...,jn...->ij...", p, d)
+    (_, pd12, pd13), (pd21, _, pd23), (pd31, pd32, _) = (p[:, None] * d).sum(axis=2)
     right = pd23 - pd32, pd31 - pd13, pd12 - pd21
     slack = DAMPING * (xx + yy + zz)
     a, b, c = yy + zz + slack, zz + xx + slack, xx + yy + slack

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import replace
-from typing import Any, NamedTuple, TypeAlias
+from typing import NamedTuple, TypeAlias
 
 import numpy as np
 
@@ -33,7 +33,7 @@ from kinlib.polishing import polished
 from kinlib.pose_faults import PoseFault, faults_of_poses, nearest_fault, tangent_faults
 from kinlib.poses import PoseProblem, as_pose, gap, opening, seen_together
 from kinlib.quadratics import quadratic_factors
-from kinlib.rows import broadcast, chosen, masked, replaced
+from kinlib.rows import BLOCK, broadcast, chosen, joined, masked, replaced
 from kinlib.scalar import as_float, divide
 from kinlib.typing import Array, Degenerate, PoseLike, Scalars
 
@@ -296,10 +296,6 @@ def _with(found: Found, rows: np.ndarray, new: Found) -> Found:
     return found._replace(h1=h1, h2=h2, k1=k1, k2=k2, missed=missed)
 
 
-BLOCK = 2048
-"""So many rows are solved at a time: their numbers stay in the cache."""
-
-
 def in_blocks(problem: PoseProblem, solve: Callable[[PoseProblem], Found]) -> Found:
     """What is found for a problem, a block of its rows at a time."""
     shape, rows = problem.home.shape, math.prod(problem.home.shape)
@@ -307,14 +303,7 @@ def in_blocks(problem: PoseProblem, solve: Callable[[PoseProblem], Found]) -> Fo
         return solve(problem)
     problem = problem.flat()
     parts = zip(*(solve(problem.some(slice(n, n + BLOCK))) for n in range(0, rows, BLOCK)), strict=True)
-    return Found(*(_joined(part, shape) for part in parts))
-
-
-def _joined(parts: Sequence[Any], shape: tuple[int, ...]) -> Any:
-    """The blocks of dual quaternions, or of numbers, as one batch."""
-    if isinstance(parts[0], DualQuaternion):
-        return wrap(_joined([q.components for q in parts], shape))
-    return np.concatenate(parts, axis=-1).reshape(*parts[0].shape[:-1], *shape)
+    return Found(*(joined(part, shape) for part in parts))
 
 
 def _checked(problem: PoseProblem, found: Found, degenerate: Degenerate) -> TwoDyads:

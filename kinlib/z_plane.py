@@ -10,7 +10,7 @@ s_B1, s_B2, z*, where z* belongs to the Bennett linkage.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TypeAlias
 
 import numpy as np
@@ -24,7 +24,7 @@ from kinlib.linkage import Linkage, verified_loop
 from kinlib.motion_polynomial import MotionPolynomial
 from kinlib.polishing import polished, product_of
 from kinlib.poses import PoseProblem, gap, opening, seen_together
-from kinlib.rows import broadcast, chosen, masked, picked, replaced
+from kinlib.rows import BLOCK, broadcast, chosen, flat, joined, masked, picked, replaced
 from kinlib.scalar import as_float, as_scalars, divide, is_zero, promote
 from kinlib.three_poses import ALMOST, GOOD, MET, Stop, two_dyads
 from kinlib.typing import Array, Degenerate, PoseLike, Scalars, ZLike
@@ -84,6 +84,14 @@ class PlaneNumber:
 
     def __rsub__(self, real: Scalars) -> PlaneNumber:
         return PlaneNumber(real - self.x, -self.y, self.n)
+
+    def over(self, shape: tuple[int, ...]) -> PlaneNumber:
+        """The numbers of a whole batch, one after the other."""
+        return PlaneNumber(flat(self.x, shape), flat(self.y, shape), flat(self.n, shape))
+
+    def some(self, rows: slice) -> PlaneNumber:
+        """The numbers of some rows."""
+        return PlaneNumber(self.x[rows], self.y[rows], self.n[rows])
 
     def square(self) -> Scalars:
         """The square of the absolute value."""
@@ -292,17 +300,48 @@ class ZPlane:
             faults = self._faults(z1, z2, early)
             place = place or f"{self.side} joint turning twice: "
             bad = report_faults(faults, ZFault, degenerate, place=place)
-            chains = _factorizations(z1.at(self.hA), z2.at(self.hA), self.hB)
-            chains, missed = self._improved(chains)
+            chains, missed = self._improved(*self._in_blocks(z1, z2))
             lost = ~bad & ~(missed <= MET)
         if lost.any():
             nearest, how_near = self._nearest(z1, z2)
             report_faults(lost * nearest, ZFault, degenerate, place=place + ALMOST, how_near=how_near)
         return chains, bad | lost
 
-    def _improved(self, chains: list[Factors]) -> tuple[list[Factors], np.ndarray]:
+    def _in_blocks(self, z1: PlaneNumber, z2: PlaneNumber) -> tuple[list[Factors], np.ndarray]:
+        """The chains and what they miss, a block of the rows of a batch at a time."""
+        shape = np.broadcast_shapes(self.problem.home.shape, np.shape(z1.x))
+        if self.problem.is_exact or math.prod(shape) <= BLOCK:
+            return self._tried(z1, z2)
+        blocks = [slice(n, n + BLOCK) for n in range(0, math.prod(shape), BLOCK)]
+        plane, first, second = self._over(shape), z1.over(shape), z2.over(shape)
+        parts = [plane._some(rows)._tried(first.some(rows), second.some(rows)) for rows in blocks]
+        chains = [
+            tuple(joined(h, shape) for h in zip(*same, strict=True))
+            for same in zip(*(c for c, _ in parts), strict=True)
+        ]
+        return chains, joined([missed for _, missed in parts], shape)
+
+    def _over(self, shape: tuple[int, ...]) -> ZPlane:
+        """The planes of a whole batch, one after the other."""
+        first, second = ((flat(a, shape), flat(b, shape)) for a, b in self.stops)
+        others = [flat(q, shape) for q in self.problem.others]
+        problem = replace(self.problem, others=DualQuaternion.stack(others))
+        return ZPlane(problem, flat(self.hA, shape), flat(self.hB, shape), (first, second), self.side)
+
+    def _some(self, rows: slice) -> ZPlane:
+        """The planes of some rows."""
+        (a1, b1), (a2, b2) = self.stops
+        stops = (a1[rows], b1[rows]), (a2[rows], b2[rows])
+        problem = replace(self.problem, others=self.problem.others[:, rows])
+        return ZPlane(problem, self.hA[rows], self.hB[rows], stops, self.side)
+
+    def _tried(self, z1: PlaneNumber, z2: PlaneNumber) -> tuple[list[Factors], np.ndarray]:
+        """The chains, and how far they are from the poses and from each other."""
+        chains = _factorizations(z1.at(self.hA), z2.at(self.hA), self.hB)
+        return chains, np.asarray(self._missed(chains))
+
+    def _improved(self, chains: list[Factors], missed: np.ndarray) -> tuple[list[Factors], np.ndarray]:
         """The chains, better ones where they miss a pose or do not share the cubic; and by how much they still do."""
-        missed = np.asarray(self._missed(chains))
         poor = ~(missed <= GOOD) & np.isfinite(missed)
         if self.problem.is_exact or not poor.any():
             return chains, missed
@@ -329,10 +368,10 @@ class ZPlane:
             stops = tuple(np.broadcast_to(t, rows.shape)[rows] for t in stops)
             seen = [picked(q, rows) for q in seen]
         places = [*stops, *(h.scalar_part for h in chains[0])][: 3 if self.problem.is_exact else None]
-        t = np.stack(np.broadcast_arrays(*places), axis=-1)
+        t = np.stack(np.broadcast_arrays(*places))
         values = [_product_at(chain, t) for chain in chains]
-        off = [gap(values[0][..., n], q) for n, q in enumerate(seen)]
-        off += [opening(values[0], value).max(axis=-1) for value in values[1:]]
+        off = [gap(values[0][n], q) for n, q in enumerate(seen)]
+        off += [opening(values[0], value).max(axis=0) for value in values[1:]]
         return np.max(np.broadcast_arrays(*off), axis=0)
 
     @property
@@ -421,6 +460,6 @@ def _brought_to_front(h1: DualQuaternion, h2: DualQuaternion, h3: DualQuaternion
 
 
 def _product_at(chain: Factors, t: np.ndarray) -> DualQuaternion:
-    """(t − h1)(t − h2)(t − h3) at several parameters, shape (..., m)."""
-    h1, h2, h3 = (h[..., None] for h in chain)
+    """(t − h1)(t − h2)(t − h3) at several parameters, shape (m, ...)."""
+    h1, h2, h3 = chain
     return (t - h1) * (t - h2) * (t - h3)
