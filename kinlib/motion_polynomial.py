@@ -9,7 +9,7 @@ from typing import Any, TypeAlias, TypeVar, Union
 
 import numpy as np
 
-from kinlib.dual_quaternion import DualQuaternion, null_form, one, pieces_in_latex, study_form
+from kinlib.dual_quaternion import DualQuaternion, null_form, one, pieces_in_latex, study_form, wrap
 from kinlib.errors import Fault, named_rows, report_faults
 from kinlib.scalar import ROUNDING, RTOL, as_scalars, divide, is_exact, is_infinite, is_zero, promote, size
 from kinlib.shown import as_sum, in_lines
@@ -94,7 +94,7 @@ class MotionPolynomial:
 
     __slots__ = ("_coefficients", "_columns", "_factors")
     _coefficients: tuple[DualQuaternion, ...]
-    _columns: tuple[Array, ...] | None
+    _columns: Array | None
     _factors: tuple[tuple[DualQuaternion, ...], DualQuaternion] | None
     __array_ufunc__ = None
 
@@ -181,14 +181,14 @@ class MotionPolynomial:
         """
         if self._factors is not None:
             return self._product_at(t, *self._factors)
-        if np.asarray(t).ndim == 0 or self.shape:
+        if np.asarray(t).ndim == 0 or any(c.shape for c in self._coefficients):
             first, *others = self.coefficients
             return evaluate((first + others[0] * 0, *others) if others else (first,), t)
         columns = self._columns
         if columns is None:
-            columns = promote(*(c.components for c in self.coefficients))
+            columns = np.stack(promote(*(c.components for c in self.coefficients)), axis=-1)
             object.__setattr__(self, "_columns", columns)
-        return DualQuaternion.from_components(_evaluate(columns, t))
+        return wrap(_evaluate(columns, t if type(t) is np.ndarray and t.dtype == float else as_scalars(t)))
 
     def _product_at(
         self, t: ScalarLike | ArrayLike, factors: Sequence[DualQuaternion], last: DualQuaternion
@@ -430,21 +430,21 @@ def _evaluate_far_away(coefficients: Sequence[Coefficient], t: Any, large: Array
     return near * np.where(large, 0.0, 1.0) + far * np.where(large, 1.0, 0.0)
 
 
-def _evaluate(columns: Sequence[np.ndarray], t: ArrayLike) -> np.ndarray:
-    """One polynomial at an array of parameters, as the product of its coefficients, components first, and powers."""
-    matrix = np.array(columns).T
-    matrix, t = promote(matrix, as_scalars(t))
-    powers = np.empty((len(columns), t.size), dtype=t.dtype)
-    powers[-1] = 1
-    flat = t.ravel()
+def _evaluate(columns: np.ndarray, t: np.ndarray) -> np.ndarray:
+    """One polynomial at an array of parameters, as the product of its coefficients, shape (8, n+1), and powers."""
+    columns, t = promote(columns, t)
+    flat, count = t.ravel(), columns.shape[-1]
+    powers = np.empty((count, t.size), dtype=t.dtype)
+    powers[-1], powers[-2:-1] = 1, flat
     with np.errstate(over="ignore", invalid="ignore"):
-        for n in range(len(columns) - 2, -1, -1):
+        for n in range(count - 3, -1, -1):
             np.multiply(powers[n + 1], flat, out=powers[n])
-    if t.dtype.kind in "fc" and not np.isfinite(powers[0]).all():
+        total = np.add.reduce(powers[0])
+    if t.dtype.kind in "fc" and not np.isfinite(total):
         large = ~np.isfinite(powers[0])
-        for n in range(len(columns)):
+        for n in range(count):
             powers[n, large] = (1 / flat[large]) ** n
-    return (matrix @ powers).reshape(8, *t.shape)
+    return (columns @ powers).reshape(8, *t.shape)
 
 
 class MotionFault(Fault):

@@ -85,7 +85,7 @@ def polished_at(
             for row, (x, size) in enumerate(zip(turns, sizes, strict=True)):
                 for j in range(n):
                     before, after = reduce(mul, x[:j], one), reduce(mul, x[j + 1 :], one)
-                    matrix[..., row, :, j, :] = _two_sided(before / size, after)
+                    matrix[..., row, :, j, :] = left_matrix(before / size) @ right_matrix(after)
             matrix = matrix.reshape(*right.shape[:-2], 8 * n, 8 * n)
             moves = DualQuaternion(solved(matrix, right.reshape(*right.shape[:-2], 8 * n, 1)).reshape(right.shape))
             factors = [h + moves[..., j] for j, h in enumerate(factors)]
@@ -115,13 +115,9 @@ def _derivative(factors: Sequence[DualQuaternion], shape: tuple[int, ...]) -> np
     n = len(factors)
     matrix = np.zeros((*shape, n, 8, n, 8))
     for j in range(n):
-        before, after = product_of(factors[:j]), product_of(factors[j + 1 :])
-        for a, left in enumerate(before):
-            for b, right in enumerate(after):
-                matrix[..., a + b, :, j, :] -= _two_sided(left, right)
+        lefts = [left_matrix(q) for q in product_of(factors[:j])]
+        rights = [right_matrix(q) for q in product_of(factors[j + 1 :])]
+        for a, left in enumerate(lefts):
+            for b, right in enumerate(rights):
+                matrix[..., a + b, :, j, :] -= left @ right
     return matrix.reshape(*shape, 8 * n, 8 * n)
-
-
-def _two_sided(left: DualQuaternion, right: DualQuaternion) -> np.ndarray:
-    """The matrix of x ↦ left · x · right, shape (..., 8, 8)."""
-    return left_matrix(left) @ right_matrix(right)
