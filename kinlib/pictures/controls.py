@@ -11,12 +11,16 @@ from typing import TypeAlias
 
 import matplotlib.pyplot as plt
 import numpy as np
+from PIL import Image
 
 from kinlib.pictures.shapes import Table
 
 __all__ = ["Choice", "Control", "Pad", "Slider", "Turn"]
 
 Range: TypeAlias = tuple[float, float]
+
+DOTS, COLOURS = 160, 64
+"""Of a pad's picture: dots per inch, and how many colours it has."""
 
 
 @dataclass(frozen=True)
@@ -70,9 +74,11 @@ class Pad:
         if self.draw is not None:
             self.draw(ax, **choices)
         out = io.BytesIO()
-        figure.savefig(out, format="png", dpi=180, transparent=True, metadata={"Software": None})
+        figure.savefig(out, format="png", dpi=DOTS, transparent=True)
         plt.close(figure)
-        return "data:image/png;base64," + base64.b64encode(out.getvalue()).decode()
+        small = io.BytesIO()
+        Image.open(out).quantize(COLOURS, Image.Quantize.FASTOCTREE).save(small, format="png", optimize=True)
+        return "data:image/png;base64," + base64.b64encode(small.getvalue()).decode()
 
 
 @dataclass(frozen=True)

@@ -298,5 +298,6 @@ def _draw_zero_offsets(plane: ZPlane, ax: Axes) -> None:
     x, y = np.meshgrid(*(np.linspace(*limits, 241) for limits in (ax.get_xlim(), ax.get_ylim())))
     u, v = plane.partner((x, y))
     first, second = x * x + y * y, u * u + v * v
-    value = (u * (first - 1) - x * (second - 1)) / (1 + second)
+    with np.errstate(invalid="ignore"):  # next to the circle
+        value = (u * (first - 1) - x * (second - 1)) / (1 + second)
     ax.contour(x, y, value, levels=[0], colors=PURPLE, linewidths=1.2)
