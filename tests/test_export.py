@@ -13,6 +13,7 @@ import yourdfpy
 
 from kinlib import (
     DualQuaternion,
+    act,
     bennett_linkage,
     from_matrix,
     goldberg_linkages,
@@ -166,9 +167,8 @@ def test_pins_turn_in_their_holes_with_the_clearance_and_walls_are_as_thick_as_a
         axis = FIVE.chain.lines.directions[n]
         across = np.cross(axis, [0.3, -0.5, 0.8])
         across /= np.linalg.norm(across)
-        anchor = FIVE.bars()[[n, (n + 1) % 5], [1, 0]].mean(axis=0) * SIZES.scale
-        for link, side in ((n, -1), ((n + 1) % 5, 1)):
-            middle = anchor + side * (SIZES.height + SIZES.clearance) / 2 * axis
+        for link, end in ((n, 1), ((n + 1) % 5, 0)):
+            middle = parts.bars[link, end] * SIZES.scale
             assert not parts.meshes[f"link-{link}"].contains([middle])[0]
             assert parts.meshes[f"pin-{n + 1}"].contains([middle])[0]
             radii = np.linspace(0, SIZES.outer, 400)
@@ -180,11 +180,15 @@ def test_pins_turn_in_their_holes_with_the_clearance_and_walls_are_as_thick_as_a
             assert abs(radii[~pin][0] - SIZES.pin / 2) < 0.05
             walls = [radii[row & (radii > r)].max() - r for row, r in zip(inside, first, strict=True)]
             assert min(walls) > SIZES.wall - 0.05
-    assert math.isclose(parts.needed_clearance(), (SIZES.outer + SIZES.clearance) / SIZES.scale)
-    assert FIVE.clearance(parts.bars) >= 0
+    ends = parts.bars[0] * SIZES.scale
+    for part in (parts.meshes["link-0"], parts.meshes["pin-1"], parts.meshes["cap-1"]):
+        near = [np.linalg.norm(part.vertices - end, axis=-1) for end in ends]
+        away = np.minimum(*near)[np.minimum(*near) < SIZES.outer]
+        assert away.max() < parts.needed_clearance() * SIZES.scale / 2
 
 
 def test_parts_of_one_joint_do_not_overlap(parts):
+    assert not any(abs(int(a[-1]) - int(b[-1])) < 2 and "pin" in a for a, b in parts.overlaps(0.3))
     for n in range(5):
         joined = [parts.meshes[name] for name in (f"link-{n}", f"link-{(n + 1) % 5}", f"pin-{n + 1}", f"cap-{n + 1}")]
         for a in range(4):
@@ -192,6 +196,24 @@ def test_parts_of_one_joint_do_not_overlap(parts):
                 if {a, b} != {0, 1}:  # bars of two links may run close by each other
                     common = trimesh.boolean.intersection([joined[a], joined[b]], engine="manifold")
                     assert common.is_empty or common.volume < 1e-6
+
+
+def test_parts_move_with_their_links(parts):
+    placed = parts.placed(0.7)
+    moved = FIVE.link_displacements(0.7)
+    for name, link in (("link-3", 3), ("pin-3", 2), ("cap-1", 0)):
+        expected = act(moved[link], parts.meshes[name].vertices / SIZES.scale) * SIZES.scale
+        assert np.allclose(placed[name].vertices, expected, atol=1e-6)
+
+
+def test_a_linkage_with_enough_clearance_goes_round_and_one_with_too_little_does_not():
+    free = goldberg_linkages(*THREE_POSES, -1.6755 - 1.3164j)[3]
+    parts = printed_parts(free, PrintSizes(scale=90.0))
+    assert free.clearance(parts.bars) > parts.needed_clearance()
+    assert [parts.overlaps(t) for t in (-2.0, -0.3, 0.4, 3.0)] == [{}] * 4
+    folding = printed_parts(BENNETT, PrintSizes(scale=40.0))
+    assert BENNETT.clearance(folding.bars) < folding.needed_clearance()
+    assert ("link-0", "link-2") in folding.overlaps(0.0)  # where its straight bars meet
 
 
 # ---- what is refused ---------------------------------------------------------------------------------

@@ -25,7 +25,7 @@ class Bodies:
     bars : array, shape (n, m, 3)
         The points of each link's bar, link 0 first.
     anchors, directions : array, shape (n, 3)
-        A point of each joint's axis, in the middle of what the two bars hold, and its direction, of length 1.
+        A point of each joint's axis, in the middle between the ends of its two bars, and its direction, of length 1.
     size : float
         The largest distance of the bars' points from their mean.
     """

@@ -4,19 +4,24 @@ from __future__ import annotations
 
 import os
 from dataclasses import dataclass
+from itertools import combinations
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from kinlib.displacement import as_matrix
 from kinlib.export.bodies import Bodies
 from kinlib.linkage import Linkage
-from kinlib.typing import Array
+from kinlib.typing import Array, ScalarLike
 
 __all__ = ["PrintSizes", "PrintedParts", "printed_parts"]
 
 SECTIONS = 48
 """Sides of a circle."""
+
+NOTHING = 1e-3
+"""Volumes below this many mm³ come from the sides of circles."""
 
 FINEST = 5e-3
 """Details below this many millimetres are left out."""
@@ -73,6 +78,7 @@ class PrintedParts:
 
     Attributes
     ----------
+    linkage : Linkage
     meshes : dict of trimesh.Trimesh
         Closed, in millimetres and in their places: ``link-0``, …, ``pin-1``, …, ``cap-1``, …
     bars : array, shape (n, 2, 3)
@@ -81,13 +87,43 @@ class PrintedParts:
     sizes : PrintSizes
     """
 
+    linkage: Linkage
     meshes: dict[str, Any]
     bars: Array
     sizes: PrintSizes
 
     def needed_clearance(self) -> float:
-        """How far apart bars must stay so that links pass each other, in units of the linkage."""
-        return (self.sizes.outer + self.sizes.clearance) / self.sizes.scale
+        """How far apart bars must stay so that links that share no joint pass each other, in units of the linkage.
+
+        All parts, heads and caps too, are nearer than half of this to the bars.
+        """
+        along = self.sizes.height / 2 + self.sizes.clearance + self.sizes.wall
+        return float(2 * np.hypot(self.sizes.outer / 2, along) + self.sizes.clearance) / self.sizes.scale
+
+    def placed(self, t: ScalarLike) -> dict[str, Any]:
+        """The parts in their places at t, in millimetres; each pin and its cap go with the link before the joint."""
+        matrices = as_matrix(self.linkage.astype(float).link_displacements(t))
+        matrices[:, :3, 3] *= self.sizes.scale
+        moved = {}
+        for name, mesh in self.meshes.items():
+            kind, number = name.split("-")
+            moved[name] = mesh.copy()
+            moved[name].apply_transform(matrices[int(number) - (kind != "link")])
+        return moved
+
+    def overlaps(self, t: ScalarLike) -> dict[tuple[str, str], float]:
+        """Which parts run into each other at t, and the volumes that they share, in mm³."""
+        from trimesh.boolean import intersection
+
+        placed, found = self.placed(t), {}
+        for (a, first), (b, second) in combinations(placed.items(), 2):
+            if np.any(first.bounds[0] > second.bounds[1]) or np.any(second.bounds[0] > first.bounds[1]):
+                continue
+            common = intersection([first, second], engine="manifold")
+            volume = 0.0 if common.is_empty else float(common.volume)
+            if volume > NOTHING:
+                found[a, b] = volume
+        return found
 
     def laid_flat(self) -> dict[str, Any]:
         """The parts side by side on a plate, z = 0, each at rest on its most stable face; trimesh.Trimesh."""
@@ -117,7 +153,8 @@ def printed_parts(linkage: Linkage, sizes: PrintSizes) -> PrintedParts:
     """Links with rings around holes at both ends, and a pin with a cap for each joint.
 
     On each axis two rings sit beside each other, in the middle between the feet of the two links' common
-    perpendiculars.  A pin goes through both and has a head; the cap is glued to its other end.
+    perpendiculars, that of the link above that leaves more upwards.  A pin goes through both and has a head; the cap
+    is glued to its other end.
 
     Parameters
     ----------
@@ -140,8 +177,8 @@ def printed_parts(linkage: Linkage, sizes: PrintSizes) -> PrintedParts:
     (12, True)
     """
     bodies = Bodies.of(linkage, sizes.scale)
-    step = (sizes.height + sizes.clearance) / 2 * bodies.directions
-    starts, ends = bodies.anchors + step, bodies.anchors - step  # of the link behind a joint, of the one before it
+    step = (sizes.height + sizes.clearance) / 2 * _sides(bodies)[:, None] * bodies.directions
+    starts, ends = bodies.anchors + step, bodies.anchors - step
     rings = np.stack([np.roll(starts, 1, axis=0), ends], axis=1)
     axes = np.stack([np.roll(bodies.directions, 1, axis=0), bodies.directions], axis=1)
     _check_room(rings, axes, sizes)
@@ -149,7 +186,15 @@ def printed_parts(linkage: Linkage, sizes: PrintSizes) -> PrintedParts:
     for n in range(bodies.count):
         pin, cap = _pin_and_cap(bodies.anchors[n], bodies.directions[n], sizes)
         meshes[f"pin-{n + 1}"], meshes[f"cap-{n + 1}"] = pin, cap
-    return PrintedParts({name: _checked(name, mesh) for name, mesh in meshes.items()}, rings / sizes.scale, sizes)
+    return PrintedParts(
+        linkage, {name: _checked(name, mesh) for name, mesh in meshes.items()}, rings / sizes.scale, sizes
+    )
+
+
+def _sides(bodies: Bodies) -> Array:
+    """1 where the link behind a joint sits above, −1 where the one before does: the one that leaves more upwards."""
+    ahead, back = (np.roll(bodies.anchors, -s, axis=0) - bodies.anchors for s in (1, -1))
+    return np.where(((ahead - back) * bodies.directions).sum(axis=-1) < -1e-9 * bodies.size, -1.0, 1.0)
 
 
 def _check_room(rings: Array, axes: Array, sizes: PrintSizes) -> None:
