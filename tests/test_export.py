@@ -180,10 +180,9 @@ def test_pins_turn_in_their_holes_with_the_clearance_and_walls_are_as_thick_as_a
             assert abs(radii[~pin][0] - SIZES.pin / 2) < 0.05
             walls = [radii[row & (radii > r)].max() - r for row, r in zip(inside, first, strict=True)]
             assert min(walls) > SIZES.wall - 0.05
-    ends = parts.bars[0] * SIZES.scale
-    for part in (parts.meshes["link-0"], parts.meshes["pin-1"], parts.meshes["cap-1"]):
-        near = [np.linalg.norm(part.vertices - end, axis=-1) for end in ends]
-        away = np.minimum(*near)[np.minimum(*near) < SIZES.outer]
+    ends = parts.bars[[0, 1], [1, 0]] * SIZES.scale  # the two rings on the first pin
+    for part in (parts.meshes["pin-1"], parts.meshes["cap-1"]):
+        away = np.min([np.linalg.norm(part.vertices - end, axis=-1) for end in ends], axis=0)
         assert away.max() < parts.needed_clearance() * SIZES.scale / 2
 
 
