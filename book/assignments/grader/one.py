@@ -20,7 +20,7 @@ from pathlib import Path
 
 import nbformat
 import psutil
-from nbclient.exceptions import CellTimeoutError, DeadKernelError
+from nbclient.exceptions import CellExecutionComplete, CellTimeoutError, DeadKernelError
 from nbformat import NotebookNode
 from nbgrader.preprocessors import Execute
 from nbgrader.utils import determine_grade, is_grade
@@ -30,6 +30,8 @@ from grader import box, masters, remarks
 
 ROOM = 256  # megabytes of files
 LETTERS = 1_000_000  # of what one cell prints
+PATIENCE = 30  # seconds for what a cell printed to come after its answer
+PATIENCE_WITH_THE_STUCK = 8  # and the same after a cell was interrupted
 INSIDE = Path(__file__).with_name("inside.py")
 
 
@@ -41,9 +43,9 @@ class Runner(Execute):
     """Runs the cells of a notebook in a kernel of `grader.box`, and notes what ended it before its end."""
 
     def __init__(self, kernel: type, limits: dict):
-        super().__init__(kernel_manager_class=kernel, startup_timeout=120, iopub_timeout=30)
-        self.raise_on_iopub_timeout = False  # what is printed may come late; an error comes with the answer itself
-        self.limits, self.ready, self.ended, self.slow, self.spent = limits, False, "", [], 0
+        super().__init__(kernel_manager_class=kernel, startup_timeout=120)
+        self.limits, self.ready, self.ended, self.slow, self.late = limits, False, "", [], False
+        self.spent, self.proof, self.complete = 0, "", False
         self.deadline = time.monotonic() + limits["all"]
 
     def preprocess_cell(self, cell, resources, index):
@@ -52,6 +54,8 @@ class Runner(Execute):
         if left <= 0:
             raise OutOfTimeError
         self.timeout, self.spent = math.ceil(min(self.limits["cell"], left)), 0
+        self.proof, self.complete = cell.metadata.get("proof", ""), False
+        self.iopub_timeout, self.raise_on_iopub_timeout = PATIENCE, False
         before, began = waited(self.pid), time.monotonic()
         try:
             done = super().preprocess_cell(cell, resources, index)
@@ -59,12 +63,30 @@ class Runner(Execute):
             if time.monotonic() - began >= self.timeout:
                 self.slow.append(waited(self.pid) - before > 0.2 * self.timeout)
         self.ready = True
+        self.late = self.late or (cell.cell_type == "code" and not self.complete and not self.raise_on_iopub_timeout)
         return done
 
+    async def _async_handle_timeout(self, timeout, cell=None):
+        """Interrupt a cell; if even that is not answered, the kernel is stuck."""
+        self.iopub_timeout, self.raise_on_iopub_timeout = PATIENCE_WITH_THE_STUCK, True
+        return await super()._async_handle_timeout(timeout, cell)
+
+    def process_message(self, msg, cell, cell_index):
+        """Take a message in; the last one says that the cell is complete."""
+        try:
+            return super().process_message(msg, cell, cell_index)
+        except CellExecutionComplete:
+            self.complete = True
+            raise
+
     def output(self, outs, msg, display_id, cell_index):
-        """Take an output in, until the cell has said enough."""
+        """Take an output in, until the cell has said enough; the proof of a check is always heard."""
         self.spent += len(json.dumps(msg["content"], default=str))
-        return super().output(outs, msg, display_id, cell_index) if self.spent < LETTERS else None
+        if self.spent >= LETTERS:
+            if not (self.proof and self.proof in msg["content"].get("text", "")):
+                return None
+            msg = {**msg, "content": {**msg["content"], "text": f"\n{self.proof}\n"}}
+        return super().output(outs, msg, display_id, cell_index)
 
     @property
     def pid(self) -> int | None:
@@ -142,7 +164,7 @@ def carry_out(order: dict) -> dict:
     )
     notebook = masters.assembled(master, blank, masters.read(Path(order["submission"])))
     until(notebook, order.get("question"))
-    notebook.cells = with_questions(notebook.cells)
+    notebook.cells = with_questions(with_proofs(notebook.cells))
     result = {"marks": [], "remark": "", "failure": "", "doubt": "", "seen": []}
     result |= executed(notebook, order)
     if not result["failure"]:
@@ -156,6 +178,15 @@ def until(notebook: NotebookNode, question: str | None) -> None:
     numbers = [n for n, cell in enumerate(notebook.cells) if question and masters.name_of(cell) == question]
     if numbers:
         del notebook.cells[numbers[0] + 1 :]
+
+
+def with_proofs(cells: list[NotebookNode]) -> list[NotebookNode]:
+    """The cells; each check prints at its end what nobody knows before, to prove that it was run."""
+    for cell in cells:
+        if cell.cell_type == "code" and is_grade(cell) and not is_answer(cell):
+            cell.metadata["proof"] = secrets.token_hex(8)
+            cell.source += f"\n__import__('builtins').print({cell.metadata['proof']!r})"
+    return cells
 
 
 def with_questions(cells: list[NotebookNode]) -> list[NotebookNode]:
@@ -200,7 +231,7 @@ def executed(notebook: NotebookNode, order: dict) -> dict:
     more = [remarks.STARTED.format(count=watch.most - usual)] if watch.most > usual else []
     # A kernel that was lost without having used up its time or anything else may have been lost by the machine.
     lost = ended not in ("", "stopped") and not runner.ended and not (ended == "stuck" and runner.slow)
-    doubt = remarks.LOADED if any(runner.slow) else "died" if lost else ""
+    doubt = remarks.LOADED if any(runner.slow) or runner.late else "died" if lost else ""
     remark = remarks.STOPPED.format(seconds=limits["all"]) if ended == "stopped" else ""
     return {"doubt": doubt, "remark": remark, "seen": more, "because": runner.ended}
 
@@ -237,12 +268,15 @@ def unlike(notebook: NotebookNode, student: str) -> list[str]:
 
 def answer(cell: NotebookNode) -> dict | None:
     """What a kernel answered."""
-    said = "".join(output.get("text", "") for output in cell.outputs if output.get("name") == "stdout")
     try:
-        found = json.loads(said.strip().splitlines()[-1])
+        found = json.loads(printed(cell).strip().splitlines()[-1])
     except (ValueError, IndexError):
         return None
     return found if isinstance(found, dict) and found.get("token") == cell.metadata["asking"] else None
+
+
+def printed(cell: NotebookNode) -> str:
+    return "".join(output.get("text", "") for output in cell.outputs if output.get("name") == "stdout")
 
 
 def changed(first: dict, last: dict) -> list[str]:
@@ -277,6 +311,8 @@ def judged(cell: NotebookNode, blank: bool, before: list[NotebookNode], seconds:
     if cell.execution_count is None:
         return {**result, "remark": f"{remarks.NOT_RUN} ({because})" if because else remarks.NOT_RUN}
     cell.outputs = [output for output in cell.outputs if output.get("name") != "stderr"]
+    if not remarks.errors_of(cell) and cell.metadata["proof"] not in printed(cell).splitlines():
+        return {**result, "remark": remarks.NOT_PROVED}
     return {**result, "mark": determine_grade(cell)[0], "remark": remarks.complaint(cell, before, seconds)}
 
 

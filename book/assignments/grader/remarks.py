@@ -17,6 +17,7 @@ TOO_FULL = "wrote more than there is room for"
 NOTHING = "nothing was written"
 NOT_DONE = "not answered yet: a line raise NotImplementedError() is left"
 NOT_RUN = "was not run, since an earlier cell ended Python, used up its memory or could not be stopped"
+NOT_PROVED = "no points, since the check did not run to its end, or what it printed went elsewhere"
 ABOVE = "the answer above did not run to its end: {why}"
 
 LOADED = "the machine was too busy for the limits of time"

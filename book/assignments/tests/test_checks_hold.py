@@ -7,48 +7,51 @@ from grader import masters
 from grader.collect import Submission
 from grader.run import Limits, marked
 from submissions import handed_in
+from workbook import losses, solved
 
 NAME = "dual_quaternions"
+QUESTION = "conjugate-of-all"
 WRONG = {"conjugate": "def conjugate(q):\n    return q"}
 
 
 @pytest.fixture
-def lost(quick, tmp_path):
-    """The points that a submission loses, with a cell of the student's own before an answer."""
+def points(quick, tmp_path):
+    """The points for the conjugate, with a cell of the student's own before it."""
 
-    def of(changes: dict, own: str = "", before: str = "conjugate") -> dict[str, float]:
+    def of(changes: dict, own: str = "pass") -> float:
         path = handed_in(NAME, tmp_path, changes)
         notebook = nbformat.read(path, as_version=4)
-        place = [masters.name_of(cell) for cell in notebook.cells].index(before)
-        notebook.cells.insert(place, nbformat.v4.new_code_cell(own or "pass"))
+        place = [masters.name_of(cell) for cell in notebook.cells].index("conjugate")
+        notebook.cells.insert(place, nbformat.v4.new_code_cell(own))
         nbformat.write(notebook, path)
-        result = marked(Submission("ada", path, NAME), Limits())
+        result = marked(Submission("ada", path, NAME), Limits(), QUESTION)
         assert not result.remark, result.remark
-        return {mark["cell"]: mark["points"] - mark["mark"] for mark in result.marks if mark["mark"] != mark["points"]}
+        return {mark["cell"]: mark["mark"] for mark in result.marks}[QUESTION]
 
     return of
 
 
+# ---- right work ------------------------------------------------------------------------------------------
+
 BY_ANOTHER_NAME = """
+mul = product
+
+
 def reversal_defect(q, r):
     return [x - y for x, y in zip(conjugate(mul(q, r)), mul(conjugate(r), conjugate(q)))]
 """
+FORMS = {
+    "own cells that use our names": {"norm": "q = r = [1, 0, 0, 0, 0, 0, 0, 0]\none = None\n\n" + solved(NAME)["norm"]},
+    "an id without quotes": {"student": "student = ada"},
+    "an id that is none": {"student": "student = ['a', 'list']"},
+    "a function by another name": {"reversal_defect": BY_ANOTHER_NAME},
+}
 
-# ---- right work ------------------------------------------------------------------------------------------
 
-
-@pytest.mark.parametrize(
-    ("changes", "own"),
-    [
-        ({}, "q = r = [1, 0, 0, 0, 0, 0, 0, 0]\none = None"),
-        ({"student": "student = ada"}, "pass"),
-        ({"student": "student = ['a', 'list']"}, "pass"),
-        ({"reversal_defect": BY_ANOTHER_NAME}, "mul = product"),
-    ],
-    ids=["own cells that use our names", "an id without quotes", "an id that is none", "a function by another name"],
-)
-def test_a_slip_of_form_costs_nothing(lost, changes, own):
-    assert lost(changes, own, "conjugate") == {}
+@pytest.mark.parametrize("form", FORMS)
+def test_a_slip_of_form_costs_nothing(form, monkeypatch):
+    monkeypatch.setenv("KINLIB_STUDENT", "ada")  # as the grader has it
+    assert losses(NAME, FORMS[form], without=("picture",)) == {}
 
 
 # ---- tricks ----------------------------------------------------------------------------------------------
@@ -67,9 +70,12 @@ TRICKS = {
 
 
 @pytest.mark.parametrize("trick", TRICKS)
-def test_what_is_replaced_gives_no_marks(lost, trick):
-    found = lost(WRONG, TRICKS[trick])
-    assert found.get("conjugate-of-all") == 1, found
+def test_what_is_replaced_gives_no_marks(points, trick):
+    assert points(WRONG, TRICKS[trick]) == 0
+
+
+def test_without_a_trick_there_are_marks(points):
+    assert points({}) == 1
 
 
 LAZY = """
@@ -83,5 +89,5 @@ def conjugate(q):
 """
 
 
-def test_what_equals_everything_gives_no_marks(lost):
-    assert lost({"conjugate": LAZY})["conjugate-of-all"] == 1
+def test_what_equals_everything_gives_no_marks():
+    assert losses(NAME, {"conjugate": LAZY}, only={QUESTION})[QUESTION].points == 1

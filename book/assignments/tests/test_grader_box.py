@@ -147,20 +147,25 @@ def test_too_many_processes_and_too_much_memory_end_the_kernel(tmp_path, greedy,
     assert result.doubt == ""
 
 
-@pytest.mark.usefixtures("quick")
-@pytest.mark.parametrize("patience", [30, 0])
-def test_what_a_cell_prints_is_limited_and_may_come_late(tmp_path, monkeypatch, patience):
-    class Runner(one.Runner):
-        def __init__(self, *given):
-            super().__init__(*given)
-            self.iopub_timeout = patience  # seconds for what was printed to come after the answer
+TALKING = "def norm(q):\n    for _ in range(30):\n        print('x' * 100_000, flush=True)\n    return "
 
-    monkeypatch.setattr(one, "Runner", Runner)
-    talking = "def norm(q):\n    for _ in range(30):\n        print('x' * 100_000, flush=True)\n    return 1, 2"
-    result = marked(Submission("ada", handed_in(NAME, tmp_path, {"norm": talking}), NAME), Limits())
-    lost = {mark["cell"]: mark["remark"] for mark in result.marks if not mark["mark"]}
-    assert set(lost) == {"norm-of-all", "norm-law", "inverse-exact", "inverse-missing"}, lost
+
+@pytest.mark.usefixtures("quick")
+def test_what_a_cell_prints_is_limited_and_costs_nothing(tmp_path):
+    right = TALKING + "[sum(q[n] ** 2 for n in range(4)), 2 * sum(q[n] * q[n + 4] for n in range(4))]"
+    result = marked(Submission("ada", handed_in(NAME, tmp_path, {"norm": right}), NAME), Limits(), "norm-of-all")
+    assert {mark["cell"]: mark["mark"] for mark in result.marks}["norm-of-all"] == 2
     assert result.doubt == ""
+
+
+@pytest.mark.usefixtures("quick")
+def test_what_is_printed_too_late_is_a_failure_of_the_machine(tmp_path, monkeypatch):
+    """It is no mark, and above all not the end of all marks."""
+    monkeypatch.setattr(one, "PATIENCE", 0)
+    path = handed_in(NAME, tmp_path, {"norm": TALKING + "1, 2"})
+    result = marked(Submission("ada", path, NAME), Limits(), "norm-of-all")
+    assert "expected" in {mark["cell"]: mark["remark"] for mark in result.marks}["norm-of-all"]
+    assert result.doubt == remarks.LOADED
 
 
 # ---- what the machine does wrong -------------------------------------------------------------------------

@@ -100,6 +100,17 @@ def test_what_is_replaced_is_seen_even_if_its_text_is_hidden(trick, tmp_path):
     assert run.marked(one, run.Limits(cell=10), QUESTION).seen
 
 
+@pytest.mark.usefixtures("quick")
+@pytest.mark.parametrize(
+    "trick", ["asserts are taken out of the text", "the input is emptied", "cells are no longer run"]
+)
+def test_a_check_that_is_not_run_gives_nothing(trick, tmp_path):
+    one = Submission("ada", handed_in(NAME, tmp_path, {"norm": WRONG + TRICKS[trick]}), NAME)
+    marks = {mark["cell"]: mark for mark in run.marked(one, run.Limits(cell=10), QUESTION).marks}
+    assert marks[QUESTION]["mark"] == 0
+    assert "did not run to its end" in marks[QUESTION]["remark"]
+
+
 def test_a_neighbours_file_is_seen_as_it_is_and_with_another_id(tmp_path):
     path = handed_in(NAME, tmp_path, {"student": 'student = "emmy"'})
     answers = masters.answers(masters.read(path))
