@@ -80,7 +80,16 @@ def _code(thing: object) -> CodeType | None:
         thing = thing.__func__
     if isinstance(thing, property):
         thing = thing.fget
+    thing = getattr(thing, "__wrapped__", thing)  # in a cache
     return thing.__code__ if inspect.isfunction(thing) else None
+
+
+def _forget() -> None:
+    """Empty all caches of kinlib and the assignments: what is in them may have been worked out by something else."""
+    for module in _modules():
+        for thing in list(vars(module).values()):
+            if hasattr(thing, "cache_clear") and not inspect.isclass(thing):
+                thing.cache_clear()
 
 
 def on_other_numbers(check: Callable[..., None], *answers) -> None:
@@ -97,6 +106,7 @@ def on_other_numbers(check: Callable[..., None], *answers) -> None:
     AssertionError: with other numbers than yours: the counterexample: these two commute, so the order does not matter
     """
     assert_untouched()
+    _forget()
     for name in OTHERS:
         try:
             check(*answers, name)

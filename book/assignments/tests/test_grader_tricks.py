@@ -25,6 +25,9 @@ TRICKS = {
         "get_ipython().ast_transformers.append(Out())"
     ),
     "the input is emptied": "get_ipython().input_transformers_cleanup.append(lambda lines: ['pass\\n'])",
+    "something is called after each cell": (
+        "def after(*given): pass\nget_ipython().events.register('post_run_cell', after)"
+    ),
     "cells are no longer run": (
         "shell = get_ipython()\nrun = shell.run_cell\nshell.run_cell = lambda text, *a, **k: run('pass', *a, **k)"
     ),
@@ -70,45 +73,34 @@ TRICKS = {
 }
 
 
-@pytest.mark.usefixtures("quick")
-@pytest.mark.parametrize("trick", TRICKS)
-def test_a_trick_gives_nothing_or_is_seen(trick, tmp_path):
-    one = Submission("ada", handed_in(NAME, tmp_path, {"norm": WRONG + TRICKS[trick]}), NAME)
-    result = run.marked(one, run.Limits(cell=10), QUESTION)
-    assert not result.failed, result.remark
-    marks = {mark["cell"]: mark["mark"] for mark in result.marks}
-    seen = look.findings([result])
-    assert seen, f"not seen, and {marks['norm-of-all']} points"
-
-
-SEEN_BY_THE_KERNEL = [
+SEEN_BY_THE_KERNEL = {
     "a check is replaced",
     "a check's code is replaced",
     "what looks for replaced checks is replaced with them, and all is put back",
     "asserts are taken out of the text",
+    "the input is emptied",
     "cells are no longer run",
+    "something is called after each cell",
     "the class of dual quaternions is changed",
     "the id is set in the environment",
-]
+}
+NOT_RUN = {"asserts are taken out of the text", "the input is emptied", "cells are no longer run"}
 
 
 @pytest.mark.usefixtures("quick")
-@pytest.mark.parametrize("trick", SEEN_BY_THE_KERNEL)
-def test_what_is_replaced_is_seen_even_if_its_text_is_hidden(trick, tmp_path):
-    hidden = f"exec(bytes({list(TRICKS[trick].encode())}).decode())"
-    one = Submission("ada", handed_in(NAME, tmp_path, {"norm": WRONG + hidden}), NAME)
-    assert run.marked(one, run.Limits(cell=10), QUESTION).seen
-
-
-@pytest.mark.usefixtures("quick")
-@pytest.mark.parametrize(
-    "trick", ["asserts are taken out of the text", "the input is emptied", "cells are no longer run"]
-)
-def test_a_check_that_is_not_run_gives_nothing(trick, tmp_path):
-    one = Submission("ada", handed_in(NAME, tmp_path, {"norm": WRONG + TRICKS[trick]}), NAME)
-    marks = {mark["cell"]: mark for mark in run.marked(one, run.Limits(cell=10), QUESTION).marks}
-    assert marks[QUESTION]["mark"] == 0
-    assert "did not run to its end" in marks[QUESTION]["remark"]
+@pytest.mark.parametrize("trick", TRICKS)
+def test_a_trick_gives_nothing_or_is_seen(trick, tmp_path):
+    """What the kernel tells of is seen even if its text is hidden, and a check that was not run has no points."""
+    text = TRICKS[trick]
+    if trick in SEEN_BY_THE_KERNEL:
+        text = f"exec(bytes({list(text.encode())}).decode())"
+    one = Submission("ada", handed_in(NAME, tmp_path, {"norm": WRONG + text}), NAME)
+    result = run.marked(one, run.Limits(cell=10), QUESTION)
+    assert not result.failed, result.remark
+    mark = next(mark for mark in result.marks if mark["cell"] == QUESTION)
+    assert result.seen if trick in SEEN_BY_THE_KERNEL else look.findings([result]), mark
+    if trick in NOT_RUN:
+        assert (mark["mark"], "did not run to its end" in mark["remark"]) == (0, True)
 
 
 def test_a_neighbours_file_is_seen_as_it_is_and_with_another_id(tmp_path):

@@ -19,10 +19,10 @@ import sympy
 import kinlib
 import kinlib_assignments
 from kinlib import DualQuaternion, eps, factorize, i, j, null_form, study_form
-from kinlib_assignments import Lot, checks, student_id, withheld
+from kinlib_assignments import Lot, checks, goldberg, student_id, withheld
 from kinlib_assignments import dual_quaternions as exercise
 from kinlib_assignments.checks import assert_equal, assert_point, numbers, truth
-from kinlib_assignments.seal import assert_untouched
+from kinlib_assignments.seal import assert_untouched, on_other_numbers
 from kinlib_assignments.withhold import answer_of, defined_beside
 
 # ---- numbers of one's own --------------------------------------------------------------------------------
@@ -219,6 +219,23 @@ def test_exchanged_code_is_found(monkeypatch):
     monkeypatch.setattr(checks.assert_equal, "__code__", (lambda *given, **named: None).__code__)
     with pytest.raises(AssertionError, match="assert_equal"):
         assert_untouched()
+
+
+def test_exchanged_code_in_a_cache_is_found(monkeypatch):
+    monkeypatch.setattr(goldberg.brief.__wrapped__, "__code__", (lambda student: None).__code__)
+    with pytest.raises(AssertionError, match=r"goldberg\.brief"):
+        assert_untouched()
+
+
+def test_what_was_worked_out_by_something_else_is_forgotten():
+    with pytest.MonkeyPatch.context() as patched:
+        patched.setattr(goldberg, "data", lambda student: DATA_OF_ADA)
+        assert goldberg._stops("hidden first") == goldberg._stops("ada")
+    on_other_numbers(lambda student: None)
+    assert goldberg._stops("hidden first") != goldberg._stops("ada")
+
+
+DATA_OF_ADA = goldberg.data("ada")
 
 
 # ---- checks ----------------------------------------------------------------------------------------------
