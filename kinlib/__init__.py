@@ -25,6 +25,7 @@ from kinlib.goldberg import goldberg_linkages
 from kinlib.interpolation import Families, conic_through, cubics_through, fourth_parameters
 from kinlib.line import Line, common_perpendicular
 from kinlib.linkage import Linkage
+from kinlib.linkage_search import Brief, Choice, ZGrid, refine, search
 from kinlib.motion_polynomial import MotionPolynomial, RationalCurve, linear_factor
 from kinlib.number_field import NumberField, NumberFieldElement, square_root
 from kinlib.poses import as_pose
@@ -52,7 +53,9 @@ __all__ = [
     "NULL_CONE",
     "STUDY_QUADRIC",
     "Bond",
+    "Brief",
     "Chain",
+    "Choice",
     "Collision",
     "CollisionFault",
     "Collisions",
@@ -78,6 +81,7 @@ __all__ = [
     "Timetable",
     "TwoRSpace",
     "ZFault",
+    "ZGrid",
     "ZPlane",
     "act",
     "as_float",
@@ -121,8 +125,10 @@ __all__ = [
     "quadratic_factors",
     "quadratic_of",
     "recognise",
+    "refine",
     "rotation",
     "same_point",
+    "search",
     "six_r_linkages",
     "six_r_linkages_for",
     "size",

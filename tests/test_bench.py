@@ -26,6 +26,7 @@ WORK = [
     "four poses → all 6R, one",
     "four poses → all 6R, batch",
     "motion at 1000 parameters",
+    "best of 5R by clearance, one core",
     "import kinlib",
     "memory for eight 5R, batch",
 ]

@@ -1,11 +1,15 @@
 """Sweeps that outgrow one machine: all functions take batches, so Dask's map_blocks is all it takes."""
 
+import os
+import signal
+
 import dask.array as da
 import numpy as np
 import pytest
 from dask.distributed import Client, LocalCluster
 
-from kinlib import DualQuaternion, goldberg_linkages
+from kinlib import Brief, DualQuaternion, ZGrid, goldberg_linkages, search
+from kinlib.gallery import THREE_POSES
 from kinlib.testing import random_poses
 
 
@@ -28,3 +32,23 @@ def test_a_sweep_on_a_cluster_is_the_sweep_on_one_machine(client):
     lengths = blocks.map_blocks(longest_links, dtype=float, chunks=(100, 8), drop_axis=2).compute()
     assert len(client.scheduler_info()["workers"]) == 2
     np.testing.assert_array_equal(lengths, longest_links(poses))
+
+
+def test_a_search_on_a_cluster_that_loses_a_worker_finds_the_same_to_the_last_bit(client):
+    grid, brief = ZGrid(-3 - 3j, 3 + 3j, (12, 6)), Brief(longest_bar=3.0, travel=5.0)
+    told = []
+
+    def kill_one(done, count):
+        told.append(done)
+        if done == 2:
+            os.kill(next(iter(client.run(os.getpid).values())), signal.SIGKILL)
+
+    alone = search(*THREE_POSES, grid, brief, keep=3, block=6, planes=(2,))
+    together = search(*THREE_POSES, grid, brief, keep=3, block=6, planes=(2,), cluster=client, progress=kill_one)
+    assert told == list(range(1, 13))
+    assert together.left == alone.left
+    for one, other in zip(alone.linkages, together.linkages, strict=True):
+        assert all((f.coeffs == g.coeffs).all() for f, g in zip(one.factors, other.factors, strict=True))
+    assert {name: values.tolist() for name, values in together.measures.items()} == {
+        name: values.tolist() for name, values in alone.measures.items()
+    }

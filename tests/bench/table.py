@@ -107,6 +107,13 @@ ROWS = (
     Row("four poses → all 6R, batch", work.six_r_batch, "eigvals of 6×6 matrices", work.larger_eigenvalues, ratio=10),
     Row(MOTION, work.motion, "one matrix product", work.matrix_product, ratio=3),
     Row(MOTION, work.motion, "rational-linkages", slow(peers.rational_motion)),
+    Row(
+        "best of 5R by clearance, one core",
+        work.best_of_many,
+        "eigvals of 4×4 matrices",
+        work.eigenvalues,
+        seconds=12.0,
+    ),
     Row("import kinlib", IMPORT, "import numpy", importing("numpy"), ratio=1.3, patience=4),
     Row("import kinlib", IMPORT, "dqrobotics", importing("dqrobotics")),
     Row("import kinlib", IMPORT, "pytransform3d", importing("pytransform3d.transformations")),

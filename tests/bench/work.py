@@ -138,3 +138,11 @@ def matrix_product(size):
     """Powers of the parameters times coefficients, (1000, 4) by (4, 8): the arithmetic of a cubic motion."""
     powers, coeffs = np.vander(np.linspace(-3, 3, PARAMETERS), 4), cubic().coeffs.copy()
     return lambda: powers @ coeffs
+
+
+@timed
+def best_of_many(size):
+    """Of so many 5R linkages the ten with most room between their bars, for a brief, in one process."""
+    side = max(1, round((size / 8) ** 0.5))
+    grid, brief = kl.ZGrid(-3 - 3j, 3 + 3j, (side, side)), kl.Brief(longest_bar=3.0, smallest_angle=0.2, travel=6.0)
+    return lambda: kl.search(*FLOAT_POSES[:3], grid, brief)
