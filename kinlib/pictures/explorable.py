@@ -106,7 +106,8 @@ def points_of(part: Any) -> list[Any]:
     if isinstance(part, Curve):
         return list(np.asarray(part.path))
     if isinstance(part, Frame):
-        matrix = as_matrix(as_pose(part.pose))
+        known = isinstance(part.pose, DualQuaternion)  # perhaps with roots in it, which only the page evaluates
+        matrix = as_matrix(part.pose if known else as_pose(part.pose))
         return [matrix[:3, 3], *(matrix[:3, 3] + matrix[:3, n] for n in range(3))]
     raise TypeError(f"expected rods, balls, curves, frames, labels or trails, got {type(part).__name__}")
 

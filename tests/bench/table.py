@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from . import peers, work
-from .clock import Setup, importing, race
+from .clock import Setup, importing, limited, race
 from .peers import slow
 
 HEADINGS = ("work", "kinlib", "measured against", "takes", "ratio", "asked", "met")
@@ -73,6 +73,7 @@ def _quantity(value: float, unit: str) -> str:
 
 MOTION = f"motion at {work.PARAMETERS} parameters"
 IMPORT = importing("kinlib")
+DRAG = limited("tests.bench.drag", "goldberg", 60)
 
 ROWS = (
     Row("product, one", work.one_product, "kingdon", peers.kingdon_one_product, ratio=1 / 4),
@@ -114,6 +115,7 @@ ROWS = (
         work.eigenvalues,
         seconds=12.0,
     ),
+    Row("one drag step in the page", DRAG, "a frame at 60 Hz", lambda size: lambda: 1 / 60, seconds=8e-3),
     Row("import kinlib", IMPORT, "import numpy", importing("numpy"), ratio=1.3, patience=4),
     Row("import kinlib", IMPORT, "dqrobotics", importing("dqrobotics")),
     Row("import kinlib", IMPORT, "pytransform3d", importing("pytransform3d.transformations")),
