@@ -7,6 +7,7 @@ import sys
 import threading
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from functools import cache
 from pathlib import PurePath
 from types import CodeType, FrameType, FunctionType
 
@@ -99,6 +100,7 @@ def _says(function: FunctionType) -> str:
     return f"{function.__qualname__} of kinlib is the answer itself: write your own"
 
 
+@cache
 def _refusal(function: FunctionType) -> CodeType:
     """The code of a function that takes anything and says why it does nothing."""
     made: dict = {}
