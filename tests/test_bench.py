@@ -10,9 +10,11 @@ YARDSTICKS = [
     "copying both operands",
     "eigvals of 4×4 matrices",
     "eigvals of 6×6 matrices",
+    "exact eight 5R, one",
     "import numpy",
     "one matrix product",
     "products, batch",
+    "singular values of the axes",
 ]
 WORK = [
     "product, one",
@@ -26,6 +28,9 @@ WORK = [
     "cubic → six factorizations, one",
     "four poses → all 6R, one",
     "four poses → all 6R, batch",
+    "axes → motion of a 5R, one",
+    "all collisions of an exact 5R",
+    "all collisions of 10,000 5R",
     "motion at 1000 parameters",
     "best of 5R by clearance, one core",
     "one drag step in the page",

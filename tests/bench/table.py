@@ -79,7 +79,7 @@ ROWS = (
     Row("product, one", work.one_product, "kingdon", peers.kingdon_one_product, ratio=1 / 4),
     Row("product, one", work.one_product, "rational-linkages", peers.rational_one_product),
     Row("product, one", work.one_product, "dqrobotics", peers.dqrobotics_one_product),
-    Row("products, batch", work.products, "copying both operands", work.copies, ratio=2),
+    Row("products, batch", work.products, "copying both operands", work.copies, ratio=6),
     Row("products, batch", work.products, "kingdon", peers.kingdon_batch, ratio=1),
     Row("products, batch", work.products, "pytransform3d", peers.pytransform3d_batch),
     Row("pose on a point, batch", work.act_on_points, "products, batch", work.products, ratio=2),
@@ -87,10 +87,10 @@ ROWS = (
     Row("pose on a point, one", work.act_on_one_point, "rational-linkages", peers.rational_one_point),
     Row("pose on a line, batch", work.act_on_lines, "products, batch", work.products, ratio=2),
     Row(
-        "three poses → Bennett, one", work.one_bennett, "rational-linkages", slow(peers.rational_bennett), seconds=1e-3
+        "three poses → Bennett, one", work.one_bennett, "rational-linkages", slow(peers.rational_bennett), seconds=5e-4
     ),
-    Row("three poses → Bennett, batch", work.bennett, "eigvals of 4×4 matrices", work.eigenvalues, ratio=4),
-    Row("three poses, z → eight 5R, batch", work.goldberg, "eigvals of 4×4 matrices", work.eigenvalues, ratio=12),
+    Row("three poses → Bennett, batch", work.bennett, "eigvals of 4×4 matrices", work.eigenvalues, ratio=1.5),
+    Row("three poses, z → eight 5R, batch", work.goldberg, "eigvals of 4×4 matrices", work.eigenvalues, ratio=3),
     Row(
         "cubic → six factorizations, one",
         work.six_factorizations,
@@ -106,7 +106,24 @@ ROWS = (
     ),
     Row("four poses → all 6R, one", work.six_r, "rational-linkages", slow(peers.rational_six_r), seconds=5e-3),
     Row("four poses → all 6R, batch", work.six_r_batch, "eigvals of 6×6 matrices", work.larger_eigenvalues, ratio=10),
-    Row(MOTION, work.motion, "one matrix product", work.matrix_product, ratio=3),
+    Row(
+        "axes → motion of a 5R, one",
+        work.motion_of_axes,
+        "singular values of the axes",
+        work.singular_values,
+        seconds=2e-3,
+    ),
+    Row(
+        "all collisions of an exact 5R", work.exact_collisions, "exact eight 5R, one", work.exact_goldberg, seconds=0.3
+    ),
+    Row(
+        f"all collisions of {work.MANY:,} 5R",
+        work.collisions,
+        "eigvals of 6×6 matrices",
+        work.larger_eigenvalues,
+        seconds=5.0,
+    ),
+    Row(MOTION, work.motion, "one matrix product", work.matrix_product, ratio=4),
     Row(MOTION, work.motion, "rational-linkages", slow(peers.rational_motion)),
     Row(
         "best of 5R by clearance, one core",

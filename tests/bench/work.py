@@ -1,9 +1,11 @@
 """What is measured: kinlib's work, and the yardsticks that always run."""
 
+from copy import copy
+
 import numpy as np
 
 import kinlib as kl
-from kinlib.gallery import FOUR_POSES
+from kinlib.gallery import FOUR_POSES, THREE_POSES
 from kinlib.testing import random_poses
 
 from .clock import measured_in_bytes, timed
@@ -112,19 +114,49 @@ def six_r(size):
     return lambda: kl.six_r_linkages(*FLOAT_POSES)
 
 
-SIX_R = 10_000  # problems in a batch of 6R
+MANY = 10_000  # problems in a batch of 6R, and linkages whose bars are looked at
 
 
 @timed
 def six_r_batch(size):
-    four = poses(4, min(size, SIX_R))
+    four = poses(4, min(size, MANY))
     return lambda: kl.six_r_linkages(*four, degenerate="nan")
 
 
 @timed
 def larger_eigenvalues(size):
-    matrices = np.random.default_rng(3).normal(size=(min(size, SIX_R), 6, 6))
+    matrices = np.random.default_rng(3).normal(size=(min(size, MANY), 6, 6))
     return lambda: np.linalg.eigvals(matrices)
+
+
+@timed
+def motion_of_axes(size):
+    axes = kl.goldberg_linkages(*FLOAT_POSES[:3], Z)[0].axes
+    return lambda: kl.Linkage.from_axes(axes)
+
+
+@timed
+def singular_values(size):
+    columns = kl.goldberg_linkages(*FLOAT_POSES[:3], Z)[0].axes.coeffs[:, [1, 2, 3, 5, 6, 7]].T.copy()
+    return lambda: np.linalg.svd(columns)
+
+
+@timed
+def exact_goldberg(size):
+    return lambda: kl.goldberg_linkages(*THREE_POSES, (1, 3))
+
+
+@timed
+def exact_collisions(size):
+    """Each time of a copy, which has not kept its axes and bars."""
+    linkage = kl.goldberg_linkages(*THREE_POSES, (1, 3))[0]
+    return lambda: copy(linkage).collisions()
+
+
+@timed
+def collisions(size):
+    linkage = kl.goldberg_linkages(*poses(3, min(size, MANY)), Z, degenerate="nan")[0]
+    return lambda: copy(linkage).collisions(degenerate="nan")
 
 
 @timed
