@@ -35,7 +35,14 @@ from kinlib import NULL_CONE, STUDY_QUADRIC, Quadric, dual_quaternion, factoriza
 
 BOOK = Path(__file__).resolve().parents[1] / "book"
 PARTS = ("preliminaries", "dyads", "synthesis")
-SCENES = ("dyad_scene", "linkage_scene", "linkages_side_by_side")  # slow, and no assert looks at them
+SCENES = (  # slow, and no assert looks at them
+    "dyad_scene",
+    "explorable_scene",
+    "goldberg_scene",
+    "linkage_scene",
+    "linkages_side_by_side",
+    "map_scene",
+)
 PATIENCE = 60  # seconds for one cell
 
 

@@ -207,10 +207,26 @@ def test_scenes_play_and_obey(page, name):
         driver.switch_to.default_content()
 
 
+def follows_its_controls(driver):
+    """Check the scene with parameters in the current frame: a key on each control changes what is seen."""
+    from selenium.webdriver.common.keys import Keys
+
+    ask = driver.execute_script
+    ask("kinlib.pause()")
+    for control in driver.find_elements("css selector", ".pad, .slide input"):
+        before = ask("return kinlib.points()")
+        control.send_keys(Keys.ARROW_RIGHT)
+        assert ask("return kinlib.points()") != before
+        assert control.get_attribute("aria-valuetext")
+    ask("kinlib.play()")
+
+
 def plays_and_obeys(driver):
     """Check the scene in the current frame: it is drawn, moves by itself, stops, and follows its slider."""
     ask = driver.execute_script
     wait_until(lambda: ask("return !!(window.kinlib && kinlib.ready)"))
+    if ask("return !!kinlib.parameters"):
+        follows_its_controls(driver)
     frames = ask("return kinlib.frames")
     if frames < 2:
         return
