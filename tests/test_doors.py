@@ -11,7 +11,7 @@ from pathlib import Path
 
 import pytest
 
-DOORS = ("kinlib", "kinlib.task", "kinlib.pictures", "kinlib.gallery", "kinlib.testing")
+DOORS = ("kinlib", "kinlib.export", "kinlib.task", "kinlib.pictures", "kinlib.gallery", "kinlib.testing")
 ROOT = Path(__file__).resolve().parents[1]
 BOOK = ROOT / "book"
 # The assignments are a project of their own, beside the book.
