@@ -3,6 +3,7 @@
 from kinlib import task
 from kinlib.bennett import bennett_linkage
 from kinlib.bonds import Bond
+from kinlib.brief import Brief, ZGrid
 from kinlib.chain import Chain, DHRow
 from kinlib.collision import Collision, CollisionFault, Collisions
 from kinlib.displacement import (
@@ -25,7 +26,7 @@ from kinlib.goldberg import goldberg_linkages
 from kinlib.interpolation import Families, conic_through, cubics_through, fourth_parameters
 from kinlib.line import Line, common_perpendicular
 from kinlib.linkage import Linkage
-from kinlib.linkage_search import Brief, Choice, ZGrid, refine, search
+from kinlib.linkage_search import Choice, refine, search
 from kinlib.motion_polynomial import MotionPolynomial, RationalCurve, linear_factor
 from kinlib.number_field import NumberField, NumberFieldElement, square_root
 from kinlib.poses import as_pose

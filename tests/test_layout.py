@@ -66,6 +66,8 @@ ORDER = [
     "goldberg",
     "measures",
     "blocks",
+    "brief",
+    "stages",
     "linkage_search",
     "task",
     "task_count",

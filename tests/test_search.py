@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from kinlib import Brief, ZGrid, act, as_matrix, goldberg_linkages, refine, search
+from kinlib.brief import NAMES
 from kinlib.gallery import THREE_POSES
-from kinlib.linkage_search import NAMES
 from kinlib.measures import bar_lengths, clearance_at_most, folds, room_about, smallest_angle, travel
 from kinlib.testing import random_poses
 
