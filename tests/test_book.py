@@ -1,17 +1,22 @@
 """The book: its sources say true things, its built pages work without a network."""
 
+import base64
 import doctest
 import json
 import re
+import subprocess
 from html.parser import HTMLParser
 from pathlib import Path
 from urllib.parse import unquote, urlsplit
 
+import numpy as np
 import pytest
+from PIL import Image
 from selenium.webdriver.common.keys import Keys
 
 import kinlib
 from browser import screen, wait_until
+from kinlib.pictures import BLUE, VERMILION
 from pages import NOTEBOOKS, PAGES, ROOT, SCENES, TEXTS
 
 FILES = ("CITATION.cff", "pyproject.toml", "README.md", "CONTRIBUTING.md", "book/assignments/pyproject.toml")
@@ -142,6 +147,21 @@ def test_pages_launch_nothing_without_an_address(links, html, page):
     assert address() or not [target for target in targets if "binder" in target or "colab" in target]
 
 
+CAPTION = re.compile(
+    r'<figcaption>.*?<span class="caption-number">Fig\. [\d.]+ ?</span>.{20,}?</figcaption>', re.DOTALL
+)
+
+
+@pytest.mark.parametrize("name", [page for page in SCENES if "/release/" not in page])
+def test_every_scene_has_a_still_a_number_and_a_caption(html, name):
+    text = (html / name).read_text(encoding="utf-8")
+    figures = [
+        figure for figure in re.findall(r"<figure.*?</figure>", text, re.DOTALL) if 'class="kinlib-scene"' in figure
+    ]
+    assert len(figures) == text.count('class="kinlib-scene"') == text.count('class="kinlib-still"')
+    assert [figure[:80] for figure in figures if not CAPTION.search(figure)] == []
+
+
 @pytest.mark.parametrize("page", PAGES)
 def test_pages_are_light(links, html, page):
     here = (html / page).resolve()
@@ -174,11 +194,54 @@ def test_mathematics_is_set(look, name):
     assert driver.execute_script(RAW_TEX) == []
 
 
+WIDER = """
+const say = (box) => `${box.localName}.${box.className}: ${box.scrollWidth} > ${box.clientWidth}: `;
+const boxes = "pre, .output, table, figure, img, dt, p, li, h1, h2, h3, div.math, mjx-container[display]";
+return [...document.querySelectorAll("main :is(" + boxes + ")")].filter((box) =>
+  box.clientWidth && box.scrollWidth > box.clientWidth + 1 && !(arguments[0] && box.closest(".scrolls"))
+).map((box) => say(box) + box.textContent.slice(0, 60));
+"""
+
+
 @pytest.mark.parametrize("name", PAGES)
-def test_a_phone_need_not_scroll_sideways(look, name):
+def test_nothing_is_wider_than_its_box(look, name):
+    """On a phone what is wider scrolls, and says so; the page does not."""
     driver = look(name)
+    with screen(driver, 1400, 1000):
+        assert driver.execute_script(WIDER, False) == []
     with screen(driver, 390):
+        driver.execute_async_script("requestAnimationFrame(() => requestAnimationFrame(arguments[0]))")
+        assert driver.execute_script(WIDER, True) == []
         assert driver.execute_script("return document.documentElement.scrollWidth") <= 390
+
+
+def printed(driver, folder: Path) -> list[np.ndarray]:
+    """The sheets that the page's own button prints, as pixels, and their text beside them."""
+    sheets = driver.execute_cdp_cmd("Page.printToPDF", {"printBackground": False})
+    folder.joinpath("page.pdf").write_bytes(base64.b64decode(sheets["data"]))
+    for program in (["pdftoppm", "-r", "60", "page.pdf", "sheet"], ["pdftotext", "-layout", "page.pdf", "page.txt"]):
+        subprocess.run(program, cwd=folder, check=True)
+    return [np.asarray(Image.open(path).convert("RGB"), dtype=int) for path in sorted(folder.glob("sheet*.ppm"))]
+
+
+def ink(sheet: np.ndarray, colour: str) -> int:
+    """How many pixels of a sheet have a colour, nearly."""
+    wanted = [int(colour[n : n + 2], 16) for n in (1, 3, 5)]
+    return int((np.abs(sheet - wanted).max(axis=-1) < 24).sum())
+
+
+@pytest.mark.parametrize("name", ["book/dyads/two_r_dyads.html", "book/synthesis/three_poses.html"])
+def test_pages_are_printed_with_their_scenes_and_all_of_their_code(page, tmp_path, name):
+    driver = page(name)
+    sheets = printed(driver, tmp_path)
+    scenes = driver.find_elements("css selector", "iframe.kinlib-scene")
+    assert len([sheet for sheet in sheets if ink(sheet, VERMILION) > 150 and ink(sheet, BLUE) > 150]) >= len(scenes)
+    assert all((sheet[:, -20:] > 250).all() and (sheet[:, :20] > 250).all() for sheet in sheets)
+    text = "".join((tmp_path / "page.txt").read_text(encoding="utf-8").split())
+    code = [code.text for code in driver.find_elements("css selector", "div.highlight pre") if code.is_displayed()]
+    assert code
+    assert [line for block in code for line in block.splitlines() if "".join(line.split()) not in text] == []
+    assert "Resettheview" not in text
 
 
 def test_search_finds_what_a_reader_types(page):

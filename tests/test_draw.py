@@ -4,6 +4,9 @@ import matplotlib as mpl
 
 mpl.use("agg")
 
+import re
+from itertools import combinations
+
 import matplotlib.pyplot as plt
 import numpy as np
 import pytest
@@ -12,6 +15,13 @@ from PIL import Image
 import kinlib as kl
 from kinlib.gallery import THREE_POSES
 from kinlib.pictures import (
+    BLUE,
+    GREEN,
+    GREY,
+    ORANGE,
+    PURPLE,
+    SKY,
+    VERMILION,
     Ball,
     draw_bonds,
     draw_curve,
@@ -29,6 +39,7 @@ from kinlib.pictures import (
     write_picture,
 )
 from kinlib.pictures import draw as still
+from kinlib.pictures.colours import LIME, RASPBERRY, VIOLET
 
 
 @pytest.fixture(scope="module")
@@ -249,3 +260,49 @@ def test_a_bond_diagram_is_of_one_linkage():
     batch = kl.goldberg_linkages(*THREE_POSES, np.array([1 + 2j, 2 + 1j]))[0]
     with pytest.raises(ValueError, match="a single linkage"):
         draw_bonds(batch, ax)
+
+
+def test_frames_have_colours_that_no_link_has():
+    """Apart by as much as two colours of links are at least, in steps of red, green and blue as the eye weighs them."""
+
+    def apart(first: str, second: str) -> float:
+        a, b = (np.array([int(colour[n : n + 2], 16) for n in (1, 3, 5)]) for colour in (first, second))
+        return float(np.sqrt((np.array([2, 4, 3]) * (a - b) ** 2).sum()))
+
+    links, axes = (GREY, BLUE, ORANGE, GREEN, PURPLE, SKY, VERMILION), (RASPBERRY, LIME, VIOLET)
+    least = min(apart(*pair) for pair in combinations(links, 2))
+    assert min(apart(axis, link) for axis in axes for link in links) > 0.9 * least
+    assert min(apart(*pair) for pair in combinations(axes, 2)) > least
+
+
+def test_drawings_are_cropped_to_their_ink_and_always_the_same_text():
+    def drawn() -> str:
+        ax = space_axes(size=4)[0, 0]
+        draw_curve([[0, 0, 0], [1, 0, 0], [1, 1, 1]], ax)
+        return ax.figure._repr_svg_()
+
+    first = drawn()
+    assert first == drawn()
+    box = np.array(re.search(r'viewBox="([^"]+)"', first)[1].split(), dtype=float)[2:]
+    path = re.search(r'<path d="([^"]+)" clip-path|<path d="([^"]+)" style="fill: none', first)
+    points = np.array(re.findall(r"[ML] (\S+) (\S+)", path[1] or path[2]), dtype=float)
+    assert np.ptp(points, axis=0).max() > 200
+    np.testing.assert_allclose(np.ptp(points, axis=0), box, atol=20)
+
+
+def test_a_drawing_of_many_faces_stays_pixels():
+    ax = space_axes(size=4)[0, 0]
+    draw_linkage(kl.bennett_linkage(*THREE_POSES), np.inf, ax)
+    assert ax.figure._repr_svg_() is None
+
+
+def test_names_of_joints_stand_off_all_curves():
+    for linkage in kl.goldberg_linkages(*THREE_POSES, (1, 2)):
+        (ax,) = plane_axes(size=(6.4, 4.6))
+        draw_joint_angles(linkage, ax)
+        ax.figure.canvas.draw()
+        boxes = [text.get_window_extent() for text in ax.texts]
+        curves = [ax.transData.transform(line.get_xydata()) for line in ax.lines]
+        assert not any(box.contains(*point) for box in boxes for curve in curves for point in curve)
+        assert not any(a.overlaps(b) for a, b in combinations(boxes, 2))
+        plt.close(ax.figure)

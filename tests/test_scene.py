@@ -1,5 +1,6 @@
 """Scenes: what is recorded agrees with the mathematics, is always the same, and plays without a network."""
 
+import io
 import json
 import re
 import subprocess
@@ -9,6 +10,7 @@ from html import unescape
 
 import numpy as np
 import pytest
+from PIL import Image
 
 import kinlib as kl
 from browser import console_messages, requested_urls
@@ -30,7 +32,9 @@ from kinlib.pictures import (
     static_files,
 )
 from kinlib.pictures.bars import Bars
+from kinlib.pictures.colours import COUPLER, LIME, RASPBERRY, VIOLET
 from kinlib.pictures.floats import pose_matrices
+from kinlib.pictures.still import still_of
 from kinlib.pictures.turn import one_turn, parameters_of
 from kinlib.testing import random_poses
 
@@ -437,6 +441,57 @@ def test_a_saved_scene_needs_nothing_else(scene, tmp_path):
     assert set(re.findall(r"https?://[\w./-]+", page)) <= {"http://www.w3.org/1999/xhtml"}
 
 
+# ---- stills ----------------------------------------------------------------------------------------------
+
+PATH = re.compile(r"<path color='(#\w{6})'[^>]* d='M(\S+) (\S+)l([^z']*)")
+
+
+def painted(still: str) -> list[tuple[str, np.ndarray]]:
+    """The colours and the middles of all patches of a still, in the order in which they are painted."""
+    found = []
+    for colour, x, y, steps in PATH.findall(still):
+        moves = np.array(steps.split(), dtype=float).reshape(-1, 2)
+        points = np.cumsum([[float(x), float(y)], *moves], axis=0)
+        found.append((colour, points.mean(axis=0)))
+    return found
+
+
+def towards(view: tuple[float, float]) -> np.ndarray:
+    """Sideways, upwards and to the viewer, as rows, by turning about z and then about y."""
+    y_axis, z_axis = (kl.Line(axis, [0, 0, 0]) for axis in ([0, 1, 0], [0, 0, 1]))
+    azimuth, elevation = np.radians(view)
+    return kl.as_matrix(kl.rotation(y_axis, elevation) * kl.rotation(z_axis, -azimuth))[:3, :3][[1, 2, 0]]
+
+
+def test_a_still_shows_everything_where_it_is():
+    view, places = (35, 20), np.random.default_rng(4).normal(size=(6, 3))
+    colours = [f"#{n}0{n}0{n}0" for n in range(1, 7)]
+    balls = [Ball(place, colour, 0.05) for place, colour in zip(places, colours, strict=True)]
+    still = painted(still_of(Scene(balls, view=view, alt="Six balls.").recording()))
+    seen = places @ towards(view).T
+    behind = np.argsort(seen[:, 2])
+    assert len(still) == 12  # each ball and the light on it
+    middles = np.array([middle for _, middle in still[::2]])
+    flat = np.column_stack([seen[behind, 0], -seen[behind, 1]])
+    size = np.ptp(middles, axis=0).max() / np.ptp(flat, axis=0).max()
+    np.testing.assert_allclose(middles - middles.mean(axis=0), size * (flat - flat.mean(axis=0)), atol=0.01 * size)
+
+
+def test_a_still_shows_the_first_frame_and_names_its_poses(linkages):
+    for linkage in linkages[:2]:
+        still = still_of(linkage_scene(linkage, THREE_POSES, alt=ALT).recording())
+        assert {colour for colour, _ in painted(still)} >= {COUPLER, RASPBERRY, LIME, VIOLET}
+        assert re.findall(r"<text [^>]*>([^<]*)<", still) == ["p₀", "p₁", "p₂", *link_names(linkage)]
+
+
+@pytest.mark.parametrize(("start", "apart"), [(0, False), (3, True)])
+def test_a_still_has_bodies_where_the_first_frame_has_them(start, apart):
+    motion = kl.DualQuaternion(np.roll(TURNING.coeffs, -start, axis=0))
+    scene = Scene([Ball([1, 0, 0], body="hand"), Ball([0, 0, 0])], {"hand": motion}, view=(0, 0), alt="A ball turns.")
+    sideways = [middle[0] for _, middle in painted(still_of(scene.recording()))]
+    assert (np.ptp(sideways) > 100) == apart
+
+
 # ---- playing, in a browser -------------------------------------------------------------------------------
 
 
@@ -559,3 +614,37 @@ def test_many_scenes_on_one_page_take_turns(chromium, play, tmp_path):
 def test_linkages_side_by_side_without_poses(linkages):
     grid = linkages_side_by_side(linkages[:2], alt=ALT)
     assert [len(cell["lights"]) for cell in grid.recording()["cells"]] == [0, 0]
+
+
+NO_WEBGL = "HTMLCanvasElement.prototype.getContext = () => null;"
+
+
+def colours_near(driver, colour: str) -> int:
+    """How many pixels on the screen have a colour, nearly."""
+    seen = np.asarray(Image.open(io.BytesIO(driver.get_screenshot_as_png())).convert("RGB"), dtype=int)
+    wanted = [int(colour[n : n + 2], 16) for n in (1, 3, 5)]
+    return int((np.abs(seen - wanted).max(axis=-1) < 28).sum())
+
+
+@pytest.mark.parametrize("webgl", [True, False])
+def test_a_scene_on_a_page_has_the_colours_of_its_legend_also_without_webgl(
+    chromium, scene, tmp_path, monkeypatch, webgl
+):
+    monkeypatch.setenv("KINLIB_SCENE", "inline")
+    path = tmp_path / "page.html"
+    path.write_text(
+        f"<!doctype html><meta charset='utf-8'><title>A scene</title>{scene._repr_html_()}", encoding="utf-8"
+    )
+    added = chromium.execute_cdp_cmd("Page.addScriptToEvaluateOnNewDocument", {"source": "" if webgl else NO_WEBGL})
+    try:
+        chromium.get(path.as_uri())
+    finally:
+        chromium.execute_cdp_cmd("Page.removeScriptToEvaluateOnNewDocument", added)
+    chromium.switch_to.frame(chromium.find_element("css selector", "iframe"))
+    drawn = "return document.body.classList.contains('drawn')"
+    told = "return [...document.querySelectorAll('.message')].map((message) => message.textContent).join()"
+    wait_until(lambda: chromium.execute_script(drawn) or chromium.execute_script(told))
+    assert chromium.execute_script(drawn) == webgl
+    assert ("needs WebGL" in chromium.execute_script(told)) != webgl
+    chromium.switch_to.default_content()
+    assert all(colours_near(chromium, colour) > 250 for _, colour in scene.legend[1:])

@@ -405,15 +405,13 @@
     });
   }
 
-  const ASIDE = 15; // pixels from where arrows start to the middle of their name
-
-  // The middle of the widest gap between arrows, given by what they do sideways and downwards.
-  function between(arrows) {
+  // From where arrows start to a name in the widest gap between them; they are given sideways and downwards.
+  function between(arrows, tag) {
     const angles = arrows.map(([across, down]) => Math.atan2(down, across)).sort((a, b) => a - b);
     const gaps = angles.map((angle, n) => (n + 1 < angles.length ? angles[n + 1] : angles[0] + 2 * Math.PI) - angle);
     const widest = gaps.indexOf(Math.max(...gaps));
     const middle = angles[widest] + gaps[widest] / 2;
-    return [ASIDE * Math.cos(middle), ASIDE * Math.sin(middle)];
+    return [(6 + tag.offsetWidth / 2) * Math.cos(middle), (4 + tag.offsetHeight / 2) * Math.sin(middle)];
   }
 
   function write({ tag, body, point, light, number, tips }, { x, y, width, height }) {
@@ -425,7 +423,7 @@
     };
     const [across, down] = onPaper(point);
     const arrows = tips.map(onPaper).map(([u, v]) => [u - across, v - down]);
-    const [right, below] = arrows.length ? between(arrows) : [0, 0];
+    const [right, below] = arrows.length ? between(arrows, tag) : [0, 0];
     const inside = (at, room, size) => Math.max(0, Math.min(at - size / 2, room - size));
     const left = x + inside(across + right, width, tag.offsetWidth);
     const top = y + inside(down + below, height, tag.offsetHeight);
@@ -537,6 +535,7 @@
     }).observe(stage);
   }
 
+  document.documentElement.classList.toggle("framed", window.parent !== window);
   theme();
   listen();
   state.playing = frames > 1 && !calm;
