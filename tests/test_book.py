@@ -198,7 +198,7 @@ WIDER = """
 const say = (box) => `${box.localName}.${box.className}: ${box.scrollWidth} > ${box.clientWidth}: `;
 const boxes = "pre, .output, table, figure, img, dt, p, li, h1, h2, h3, div.math, mjx-container[display]";
 return [...document.querySelectorAll("main :is(" + boxes + ")")].filter((box) =>
-  box.clientWidth && box.scrollWidth > box.clientWidth + 1 && !(arguments[0] && box.closest(".scrolls"))
+  box.clientWidth && box.scrollWidth > box.clientWidth + 1 && !(arguments[0] && box.closest(".scrolls, thead"))
 ).map((box) => say(box) + box.textContent.slice(0, 60));
 """
 

@@ -262,17 +262,19 @@ def test_a_bond_diagram_is_of_one_linkage():
         draw_bonds(batch, ax)
 
 
+def seen(colour: str) -> np.ndarray:
+    """A colour in the space L*a*b* of the CIE, where distances are those that are seen."""
+    parts = np.array([int(colour[n : n + 2], 16) for n in (1, 3, 5)]) / 255
+    light = np.where(parts > 0.04045, ((parts + 0.055) / 1.055) ** 2.4, parts / 12.92)
+    to_xyz = np.array([[0.4124, 0.3576, 0.1805], [0.2126, 0.7152, 0.0722], [0.0193, 0.1192, 0.9505]])
+    x, y, z = np.cbrt(to_xyz @ light / [0.9505, 1, 1.089])
+    return np.array([116 * y - 16, 500 * (x - y), 200 * (y - z)])
+
+
 def test_frames_have_colours_that_no_link_has():
-    """Apart by as much as two colours of links are at least, in steps of red, green and blue as the eye weighs them."""
-
-    def apart(first: str, second: str) -> float:
-        a, b = (np.array([int(colour[n : n + 2], 16) for n in (1, 3, 5)]) for colour in (first, second))
-        return float(np.sqrt((np.array([2, 4, 3]) * (a - b) ** 2).sum()))
-
     links, axes = (GREY, BLUE, ORANGE, GREEN, PURPLE, SKY, VERMILION), (RASPBERRY, LIME, VIOLET)
-    least = min(apart(*pair) for pair in combinations(links, 2))
-    assert min(apart(axis, link) for axis in axes for link in links) > 0.9 * least
-    assert min(apart(*pair) for pair in combinations(axes, 2)) > least
+    assert min(np.linalg.norm(seen(axis) - seen(link)) for axis in axes for link in links) > 40
+    assert min(np.linalg.norm(seen(a) - seen(b)) for a, b in combinations(axes, 2)) > 40
 
 
 def test_drawings_are_cropped_to_their_ink_and_always_the_same_text():
