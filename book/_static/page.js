@@ -2,7 +2,7 @@
 // the entries of tables, which stand below each other on a phone, the heads of their columns.
 "use strict";
 (() => {
-  const WIDE = "main :is(pre, div.math, .output, .pst-scrollable-table-container, mjx-container[display], mjx-container.wide)";
+  const WIDE = "main :is(pre, div.math, .output, .pst-scrollable-table-container, mjx-container)";
 
   function mark(box) {
     const wide = box.scrollWidth > box.clientWidth + 1 && getComputedStyle(box).overflowX === "auto";
@@ -11,17 +11,7 @@
     if (wide) box.tabIndex = 0;
   }
 
-  // A formula in a text does not break: one that is wider than the text becomes a box that scrolls.
-  function boxWide(formula) {
-    formula.classList.remove("wide");
-    const text = formula.closest("p, li, td, dd");
-    const right = (box) => box.getBoundingClientRect().right;
-    const whole = formula.closest(".keep-together") || formula; // with the comma behind it
-    formula.classList.toggle("wide", Boolean(text) && right(whole) > right(text) + 1);
-  }
-
   function markAll() {
-    document.querySelectorAll("main mjx-container:not([display])").forEach(boxWide);
     for (const box of document.querySelectorAll(WIDE)) {
       if (!box.dataset.watched) box.addEventListener("scroll", () => mark(box), { passive: true });
       box.dataset.watched = "yes";
