@@ -56,8 +56,9 @@ def faint_texts(driver, where: str) -> list[str]:
 # The glyphs of formulas are hidden from those who listen, and come from the style sheet: axe, which would take half of
 # its time for them, finds nothing there to judge.
 TAKE_GLYPHS = """
-window.glyphs = [...document.querySelectorAll("mjx-math[aria-hidden=true]")].map((math) => [math, [...math.childNodes]]);
-for (const [math] of glyphs) math.replaceChildren();
+{ const formulas = [...document.querySelectorAll("mjx-math[aria-hidden=true]")];
+window.glyphs = formulas.map((math) => [math, [...math.childNodes]]);
+for (const [math] of glyphs) math.replaceChildren(); }
 """
 GIVE_GLYPHS = "for (const [math, parts] of glyphs) math.replaceChildren(...parts);"
 
