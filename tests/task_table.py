@@ -1,6 +1,6 @@
 """How often data have linkages that are found, and how many: the table of the book, from seeded problems.
 
-python -m tests.task_table                   make the table anew (an hour on one core) and save it
+python -m tests.task_table                   make the table anew (five minutes on an idle core) and save it
 python -m tests.task_table --check 2         solve that many problems of each row again and compare
 """
 
@@ -18,7 +18,7 @@ from tests.task_problems import FIVE_R, problem, random_problem
 
 FILE = Path(__file__).resolve().parents[1] / "book" / "beyond" / "how_often.json"
 STARTS = 100
-PROBLEMS = {"random": 20, "of a linkage": 10}
+PROBLEMS = {"random": 10, "of a linkage": 6}
 
 
 def motions_found(home, data) -> list[kl.Linkage]:

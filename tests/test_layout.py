@@ -101,6 +101,7 @@ ORDER = [
     "pictures.scene",
     "pictures.moving",
     "pictures.controls",
+    "pictures.tasks",
     "pictures.explorable",
     "pictures.explorable_5r",
 ]

@@ -44,6 +44,7 @@ try:
     from kinlib.pictures.page import static_files
     from kinlib.pictures.parts import Ball, Curve, Frame, Label, Rod, Surface
     from kinlib.pictures.scene import Scene, SceneGrid
+    from kinlib.pictures.tasks import task_scene
 except ModuleNotFoundError as error:
     missing = (error.name or "").partition(".")[0]
     if missing not in ("PIL", "matplotlib", "meshcat", "mpl_toolkits"):
@@ -101,5 +102,6 @@ __all__ = [
     "record",
     "space_axes",
     "static_files",
+    "task_scene",
     "write_picture",
 ]
