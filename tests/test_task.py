@@ -9,6 +9,7 @@ from scipy.spatial.transform import RigidTransform, Rotation
 import kinlib as kl
 from kinlib import DegenerateError, DualQuaternion, Line, NotFoundError, act, as_matrix, i, k, one, task, translation
 from kinlib.gallery import THREE_POSES
+from kinlib.pictures import Ball, Frame, task_scene
 from kinlib.testing import assert_closes, random_poses
 from laws import COVERED
 from task_problems import FIVE_R, FOUR_R, A, D, L, P, R, T, X, datum, problem
@@ -246,3 +247,21 @@ def test_exact_data_and_matrices_are_taken():
     matrices = [as_matrix(pose.astype(float)) for pose in THREE_POSES]
     floats = kl.bennett_linkages_for(matrices[0], [task.Pose(matrix) for matrix in matrices[1:]], starts=10)
     assert np.abs(exact[0][0].factors[0].coeffs - floats[0].factors[0].coeffs).max() < 1e-9
+
+
+# --- the picture --------------------------------------------------------------------------------------------------
+
+
+def test_a_scene_shows_points_where_they_go_when_the_frame_lights_up():
+    given = problem(FIVE_R["pose, line, two points"], seed=11)
+    linkage = kl.goldberg_linkages_for(given.home, given.data, starts=30)[0]
+    scene = task_scene(linkage, given.data, alt="A linkage.")
+    lit = [part.lights_at for part in scene.parts if isinstance(part, Frame) and part.lights_at is not None]
+    balls = [part for part in scene.parts if isinstance(part, Ball)]
+    for asked, frame in zip(given.data[2:], lit[3:], strict=True):
+        (carried,) = (ball for ball in balls if ball.body and np.allclose(ball.centre, act(given.home, asked.point)))
+        reached = act(scene.motions[carried.body][frame], carried.centre)
+        assert np.abs(reached - asked.to).max() < 1e-8
+        assert any(not ball.body and np.allclose(ball.centre, asked.to) for ball in balls)
+    with pytest.raises(ValueError, match="expected 4 data"):
+        task_scene(linkage, given.data[:2], alt="A linkage.")
