@@ -13,6 +13,7 @@ YARDSTICKS = [
     "exact eight 5R, one",
     "import numpy",
     "one matrix product",
+    "one start of SciPy's least_squares",
     "products, batch",
     "singular values of the axes",
 ]
@@ -31,6 +32,7 @@ WORK = [
     "axes → motion of a 5R, one",
     "all collisions of an exact 5R",
     "all collisions of 10,000 5R",
+    "four lines → 5R, 300 starts",
     "motion at 1000 parameters",
     "best of 5R by clearance, one core",
     "one drag step in the page",

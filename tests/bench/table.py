@@ -124,6 +124,13 @@ ROWS = (
         seconds=5.0,
     ),
     Row(MOTION, work.motion, "one matrix product", work.matrix_product, ratio=4),
+    Row(
+        "four lines → 5R, 300 starts",
+        work.five_r_for_lines,
+        "one start of SciPy's least_squares",
+        work.one_start_of_scipy,
+        seconds=10,
+    ),
     Row(MOTION, work.motion, "rational-linkages", slow(peers.rational_motion)),
     Row(
         "best of 5R by clearance, one core",

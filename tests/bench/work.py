@@ -1,11 +1,15 @@
 """What is measured: kinlib's work, and the yardsticks that always run."""
 
+from contextlib import suppress
 from copy import copy
 
 import numpy as np
+from scipy.optimize import least_squares
 
 import kinlib as kl
 from kinlib.gallery import FOUR_POSES, THREE_POSES
+from kinlib.task_problem import TaskProblem
+from kinlib.task_search import Search
 from kinlib.testing import random_poses
 
 from .clock import measured_in_bytes, timed
@@ -127,6 +131,43 @@ def six_r_batch(size):
 def larger_eigenvalues(size):
     matrices = np.random.default_rng(3).normal(size=(min(size, MANY), 6, 6))
     return lambda: np.linalg.eigvals(matrices)
+
+
+STARTS = 300  # chains that are followed to the end for each class of 5R
+
+
+def _four_lines():
+    """A home pose, and four places of a line."""
+    home, *others = random_poses(5, seed=1)
+    line = lines(1)[0]
+    return home, [kl.task.Line(line, kl.act(pose, line)) for pose in others]
+
+
+def _found_or_not(home, data, starts):
+    with suppress(kl.NotFoundError):
+        kl.goldberg_linkages_for(home, data, starts=starts)
+
+
+@timed
+def five_r_for_lines(size):
+    home, data = _four_lines()
+    return lambda: _found_or_not(home, data, min(STARTS, size))
+
+
+@timed
+def one_start_of_scipy(size):
+    """The same equations and derivatives, one start, by SciPy's method of Levenberg and Marquardt."""
+    search = Search((2, 1), TaskProblem.of(*_four_lines()).conditions())
+    start = search.random(1, np.random.default_rng(0))
+    zero = np.zeros(16)
+
+    def values(step):
+        return search.residuals(start.moved(step[:, None]))[:, 0]
+
+    def slopes(step):
+        return search.derivatives(start.moved(step[:, None]))[1][0]
+
+    return lambda: least_squares(values, zero, slopes, method="lm", max_nfev=250)
 
 
 @timed
