@@ -7,7 +7,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from kinlib.dual_quaternion import DualQuaternion
+from kinlib.dual_quaternion import DualQuaternion, null_form
 from kinlib.errors import DegenerateError, NotFoundError
 from kinlib.factorization import bennett_flip, exchange, factorizations
 from kinlib.linkage import Linkage
@@ -164,6 +164,7 @@ def _linkages_for(
     for number, joints in enumerate(CHAINS[name]):
         search = Search(joints, problem.conditions())
         solutions = distinct(search, search.found(starts, (seed, number), _part(progress, number, len(CHAINS[name]))))
+        solutions = balanced(solutions)
         for row in range(solutions.count):
             found += [(_reach(solutions, row), linkage) for linkage in _built(problem, search, solutions, row)]
     if not found:
@@ -211,12 +212,21 @@ def _is_regular(search: Search, solutions: Unknowns) -> Array:
 
 
 def coefficients(search: Search, solutions: Unknowns) -> Array:
-    """The coefficients of the monic motions, shape (rows, degree, 8), with the mean of the z imaginary and their
-    imaginary parts of square sum 1: so all chains of a motion have the same, up to the sign of t."""
-    z = solutions.z - solutions.z.real.mean(axis=0)
-    z = z / np.sqrt((z.imag**2).sum(axis=0))
-    product = product_of(factors_of(search, Unknowns(solutions.l, solutions.p, z, solutions.phi)))
+    """The coefficients of the monic motions in the balanced parameter, shape (rows, degree, 8)."""
+    product = product_of(factors_of(search, balanced(solutions)))
     return np.stack([c.coeffs for c in product[1:]], axis=1)
+
+
+def balanced(solutions: Unknowns) -> Unknowns:
+    """The same chains with t such that the z have a mean on the imaginary axis, and imaginary parts of square sum 1.
+
+    So all chains of one motion have the same t, up to its sign.
+    """
+    shift = solutions.z.real.mean(axis=0)
+    scale = np.sqrt((solutions.z.imag**2).sum(axis=0))
+    c, s = np.cos(solutions.phi), np.sin(solutions.phi)
+    phi = np.arctan2(scale * s, c - shift * s)
+    return Unknowns(solutions.l, solutions.p, (solutions.z - shift) / scale, phi)
 
 
 def factors_of(search: Search, solutions: Unknowns) -> list[DualQuaternion]:
@@ -231,11 +241,18 @@ def factors_of(search: Search, solutions: Unknowns) -> list[DualQuaternion]:
 
 
 def _built(problem: TaskProblem, search: Search, solutions: Unknowns, row: int) -> Iterator[Linkage]:
-    """The linkages of one solution that stand the check."""
+    """The linkages of one solution that stand the check.
+
+    The parameter and the order of factors are those that every start would give: t is balanced, it is positive at the
+    first datum that is farthest from 0 and ∞, and the factor with the smaller real part stands first.
+    """
+    phi = solutions.phi[:, row]
+    slope = np.sin(2 * phi)
+    farthest = np.abs(slope) >= 0.99 * np.abs(slope).max()
+    sign = -1 if slope[farthest.argmax()] < 0 else 1
     with np.errstate(divide="ignore"):
-        phi = np.mod(solutions.phi[:, row], np.pi)
-        parameters = (np.inf, *np.where(phi == 0, np.inf, np.cos(phi) / np.sin(phi)).tolist())
-    chain = tuple(h[row] for h in factors_of(search, solutions))
+        parameters = (np.inf, *np.where(np.sin(phi) == 0, np.inf, sign * np.cos(phi) / np.sin(phi)).tolist())
+    chain = _in_order(search.joints, tuple(sign * h[row] for h in factors_of(search, solutions)))
     for first, second, joints in _loops(search.joints, chain):
         halves = [[problem.outward(h) for h in half] for half in (first, second)]
         try:
@@ -244,6 +261,22 @@ def _built(problem: TaskProblem, search: Search, solutions: Unknowns, row: int) 
             continue
         if _holds(problem, linkage):
             yield linkage
+
+
+def _in_order(joints: tuple[int, ...], chain: tuple[DualQuaternion, ...]) -> tuple[DualQuaternion, ...]:
+    """The same motion with factors that may be exchanged in the order of their real parts."""
+    if joints == (1, 1) and not _stands_first(*chain):
+        return bennett_flip(*chain)
+    first = joints.index(2) if 2 in joints else None
+    if first is None or _stands_first(*chain[first : first + 2]):
+        return chain
+    return (*chain[:first], chain[first + 1], chain[first], *chain[first + 2 :])
+
+
+def _stands_first(h: DualQuaternion, k: DualQuaternion) -> bool:
+    """Whether h has the smaller real part; if they have the same, whether it turns slower."""
+    apart = float(h.scalar_part - k.scalar_part)
+    return apart < 0 if abs(apart) > RTOL else bool(null_form(h, h) <= null_form(k, k))
 
 
 def _loops(joints: tuple[int, ...], chain: tuple[DualQuaternion, ...]) -> Iterator[tuple]:  # type: ignore[type-arg]
