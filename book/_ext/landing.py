@@ -70,7 +70,8 @@ def drawing(found: list[Chapter], way_to: dict[str, str]) -> str:
     size = f"{columns * STEP[0] + BOX[0] + 4:g} {rows * STEP[1] + BOX[1] + 4:g}"
     shapes = [_line(a, b) for a, b in pairs] + [_box(chapter, way_to[chapter.name]) for chapter in found]
     name = "Which chapter needs which: from above to below"
-    return f'<svg class="chapter-map" viewBox="-2 -2 {size}" role="group" aria-label="{name}">{"".join(shapes)}</svg>'
+    svg = f'<svg class="chapter-map" viewBox="-2 -2 {size}" role="group" aria-label="{name}">{"".join(shapes)}</svg>'
+    return f'<div class="map-box">{svg}</div>'
 
 
 def _corner(chapter: Chapter) -> tuple[float, float]:
