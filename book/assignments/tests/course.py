@@ -1,4 +1,4 @@
-"""A course of fifty-four, as it hands in: ``python course.py FOLDER`` writes it down, ``… FOLDER GRADED`` compares.
+"""A course of fifty-five, as it hands in: ``python course.py FOLDER`` writes it down, ``… FOLDER GRADED`` compares.
 
 The folder is one of Moodle's, the roster one of a spreadsheet's.  Each student has done one thing: good work, saved or
 named in an odd way; work that fails; or a trick.
@@ -154,7 +154,7 @@ COURSE = [
     Student("an unfinished line", 13, {"norm": "def norm(q:\n    return 1"}),
     Student("a kernel that dies", 6, {"norm": "import os\nos._exit(3)"}, listed=None),
     Student("a loop without end", 13, {"norm": "while True:\n    pass"}),
-    Student("one that cannot be interrupted", 6, {"norm": "while True:\n    try:\n        while True: pass\n"
+    Student("one that can hardly be interrupted", 13, {"norm": "while True:\n    try:\n        while True: pass\n"
         "    except BaseException: pass"}),
     Student("too much memory", 13, {"norm": "def norm(q):\n    return bytearray(10**11)"}),
     Student("too many processes", 6, {"norm": "import subprocess, sys, time\nmany = [subprocess.Popen([sys.executable, "
@@ -204,7 +204,8 @@ def text_of(student: Student, id_: str) -> str:
 
 def outcome(out: Path) -> tuple[list[str], list[str]]:
     """A line on each trick; and what came of the course otherwise than it must."""
-    marks, listed = rows(out / "marks.csv"), {row["student"] for row in rows(out / "look_at_this.csv")}
+    marks, looked = rows(out / "marks.csv"), rows(out / "look_at_this.csv")
+    listed = {row["student"] for row in looked if "long answers are" not in row["what"]}  # all hand in our solution
     tricks, wrong = [], []
     for number, student in enumerate(COURSE):
         own = [row for row in marks if row["student"] == f"s{number}" and row["cell"]]
