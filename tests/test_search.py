@@ -8,6 +8,9 @@ from kinlib.brief import NAMES
 from kinlib.gallery import THREE_POSES
 from kinlib.measures import bar_lengths, clearance_at_most, folds, room_about, smallest_angle, travel
 from kinlib.testing import random_poses
+from laws import COVERED
+
+COVERED.update(("Brief", "Choice", "ZGrid", "refine", "search"))
 
 GRID = ZGrid(-2 - 2j, 2 + 2.5j, (9, 8))
 POSES = [pose.astype(float) for pose in THREE_POSES]
