@@ -91,7 +91,7 @@ def figure(folder: Path, page: str, name: str) -> str:
     about = cell["metadata"].get("mystnb", {})
     caption = about.get("figure", {}).get("caption", "")
     here = os.path.relpath(folder, BOOK / "note")
-    return f"```{{figure}} {here}/{name}.png\n:width: 70%\n\n{caption}\n```"
+    return f"```{{figure}} {here}/{name}.png\n:width: 55%\n\n{caption}\n```"
 
 
 def claims(names: list[str]) -> str:

@@ -22,6 +22,11 @@ THEOREMS = [
     rf"\newtheorem{{{kind}}}{'' if kind == 'theorem' else '[theorem]'}{{{kind.capitalize()}}}" for kind in KINDS
 ]
 
+GREEK = {"α": "alpha", "β": "beta", "λ": "lambda", "μ": "mu", "τ": "tau", "φ": "varphi", "ω": "omega"}  # in listings
+LETTERS = [
+    rf"\DeclareUnicodeCharacter{{{ord(letter):04X}}}{{\ensuremath{{\{name}}}}}" for letter, name in GREEK.items()
+]
+
 project = "What to ask of a 5R linkage"
 author = "The kinlib developers"
 root_doc = "index"
@@ -41,12 +46,14 @@ latex_elements = {
         [
             r"\usepackage{amsthm}",
             r"\usepackage{cleveref}",
-            r"\fvset{fontsize=\footnotesize}",
+            r"\fvset{fontsize=\scriptsize}",
             *THEOREMS,
+            *LETTERS,
             *(command(*item) for item in BOOK["mathjax3_config"]["tex"]["macros"].items()),
         ]
     ),
     "fncychap": "",
+    "geometry": r"\usepackage[margin=23mm]{geometry}",
     "fontpkg": r"\usepackage{lmodern}",
     "figure_align": "htbp",
     "tableofcontents": "",
