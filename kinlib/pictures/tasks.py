@@ -57,7 +57,8 @@ def task_scene(linkage: Linkage, data: Sequence[task.Datum], *, alt: str, **opti
     poses = [linkage.coupler_motion(t) for t in linkage.parameters]
     names = ["home", *(str(number) for number in range(1, len(poses)))]
     scene = linkage_scene(linkage, poses, parameters=linkage.parameters, names=names, alt=alt, **options)
-    size = float(np.linalg.norm(np.ptp(linkage.bars().reshape(-1, 3), axis=0)))
+    places = [as_float(act(pose, [0, 0, 0])) for pose in poses]
+    size = float(np.linalg.norm(np.ptp([*linkage.bars().reshape(-1, 3), *places], axis=0)))
     parts = [
         part
         for datum, pose in zip(data, poses[1:], strict=True)
