@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+import sys
 
 import mujoco
 import numpy as np
@@ -230,3 +231,9 @@ def test_what_can_not_be_written_is_refused_with_words():
         PrintSizes(scale=10, wall=-1)
     with pytest.raises(ValueError, match=r"the holes of link \d are .* mm apart and need .* mm: take a scale of"):
         printed_parts(FIVE, PrintSizes(scale=5))
+
+
+def test_a_library_that_is_missing_is_named_with_what_brings_it(monkeypatch):
+    monkeypatch.setitem(sys.modules, "manifold3d", None)
+    with pytest.raises(ImportError, match=r'printed_parts needs manifold3d: pip install "kinlib\[export\]"'):
+        printed_parts(bennett_linkage(*THREE_POSES), PrintSizes(scale=40))

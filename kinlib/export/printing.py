@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 from dataclasses import dataclass
+from importlib.util import find_spec
 from itertools import combinations
 from pathlib import Path
 from typing import Any
@@ -176,6 +177,7 @@ def printed_parts(linkage: Linkage, sizes: PrintSizes) -> PrintedParts:
     >>> len(parts.meshes), all(mesh.is_watertight for mesh in parts.meshes.values())
     (12, True)
     """
+    _check_libraries()
     bodies = Bodies.of(linkage, sizes.scale)
     step = (sizes.height + sizes.clearance) / 2 * _sides(bodies)[:, None] * bodies.directions
     starts, ends = bodies.anchors + step, bodies.anchors - step
@@ -189,6 +191,13 @@ def printed_parts(linkage: Linkage, sizes: PrintSizes) -> PrintedParts:
     return PrintedParts(
         linkage, {name: _checked(name, mesh) for name, mesh in meshes.items()}, rings / sizes.scale, sizes
     )
+
+
+def _check_libraries() -> None:
+    """Refuse to begin where a library of the extra is missing."""
+    for name in ("trimesh", "manifold3d", "lxml", "networkx"):
+        if find_spec(name) is None:
+            raise ImportError(f'printed_parts needs {name}: pip install "kinlib[export]"')
 
 
 def _sides(bodies: Bodies) -> Array:
