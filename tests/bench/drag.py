@@ -10,8 +10,7 @@ from tempfile import TemporaryDirectory
 
 from kinlib.gallery import THREE_POSES
 from kinlib.pictures import goldberg_scene
-
-from ..browser import start_chromium, wait_until
+from tests.browser import start_chromium, wait_until
 
 STEPS = """
 const pad = document.querySelector(".pad"), box = pad.getBoundingClientRect(), took = [];
