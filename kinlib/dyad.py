@@ -167,15 +167,25 @@ class Dyad:
         >>> dyad.parameters(1 + k)
         Traceback (most recent call last):
         ...
-        kinlib.errors.DegenerateError: the dyad does not reach the pose: it passes by at 1 (half-angles, own lengths)
+        kinlib.errors.DegenerateError: the dyad does not reach the pose: it passes by at 1 (the tangent of half the turn
+        that is missing, or half the shift in units of the dyad's size, whichever is more)
         """
         q = as_pose(pose) * self.home.inverse()
-        (seen, h1, h2), noise = self._seen(q)
-        turns = homogeneous_parameters(seen, h1, h2)
-        off = self._gap(reached(h1, h2, turns), seen)
+        turns, off, noise = self._candidate(q)
+        if np.any(off) and all(is_exact(x.components) for x in (q, self.h1, self.h2)):
+            off = np.where(off == 0, 0.0, np.maximum(self._in_floats()._candidate(_floats(q))[1], 2 * RTOL))
         bad = self._unreached(off, rtol + noise, degenerate)
         t1, t2 = (_parameter(numerator, denominator) for numerator, denominator in turns)
         return (np.where(bad, np.nan, t1), np.where(bad, np.nan, t2)) if np.any(bad) else (t1, t2)
+
+    def _in_floats(self) -> Dyad:
+        return Dyad(*(unit(_floats(h)) for h in (self.h1, self.h2)))
+
+    def _candidate(self, q: DualQuaternion) -> tuple[tuple[Ratio, Ratio], np.ndarray, np.ndarray]:
+        """The parameters that a displacement from home would have, how far it is from the pose there, rounding."""
+        (seen, h1, h2), noise = self._seen(q)
+        turns = homogeneous_parameters(seen, h1, h2)
+        return turns, gap(reached(h1, h2, turns), seen), noise
 
     def _seen(self, q: DualQuaternion) -> tuple[list[DualQuaternion], np.ndarray]:
         """A displacement and both half-turns, and what rounding makes of a length.
@@ -197,22 +207,14 @@ class Dyad:
         return [stretched(x, 1 / length) for x in (q, *turns)], ROUNDING * far / length
 
     @staticmethod
-    def _gap(found: DualQuaternion, wanted: DualQuaternion) -> np.ndarray:
-        """How far two displacements are apart; for exact ones 0 only if they agree."""
-        apart = gap(found, wanted)
-        if not is_exact(found.components) or np.all(apart == 0):
-            return apart
-        return np.where(apart == 0, 0.0, np.maximum(gap(_floats(found), unit(_floats(wanted))), 2 * RTOL))
-
-    @staticmethod
     def _unreached(off: np.ndarray, rtol: np.ndarray, degenerate: Degenerate) -> np.ndarray:
         check_degenerate(degenerate)
         bad = np.asarray(~(off <= rtol))
         if degenerate == "raise" and bad.any():
             rows = rows_where(bad)
             raise DegenerateError(
-                f"{named_rows(rows)}the dyad does not reach the pose: it passes by at {np.max(off):.2g} "
-                "(half-angles, own lengths)",
+                f"{named_rows(rows)}the dyad does not reach the pose: it passes by at {np.max(off[bad]):.2g} (the tangent "
+                "of half the turn that is missing, or half the shift in units of the dyad's size, whichever is more)",
                 rows=rows,
             )
         return bad

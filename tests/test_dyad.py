@@ -376,6 +376,16 @@ def test_a_pose_that_is_not_reached_has_no_parameters(seed):
         assert np.allclose(t, [expected, np.nan], equal_nan=True)
 
 
+@pytest.mark.parametrize("pose", [translation([1, 2, 3]), 1 + k, translation([3, -1, 2]) * (2 - i + 3 * k)])
+def test_exact_and_float_poses_that_are_missed_are_missed_by_the_same(pose):
+    messages = []
+    for q, (h1, h2) in ((pose, (2 * i, j - eps * i)), (pose.astype(float), (1.0 * i, 1.0 * (j - eps * i)))):
+        with pytest.raises(DegenerateError, match=r"passes by at \d") as error:
+            Dyad(h1, h2).parameters(q)
+        messages.append(str(error.value))
+    assert messages[0] == messages[1]
+
+
 def test_exact_poses_next_to_the_exact_dyad_are_not_reached():
     dyad = Dyad(i, j - eps * i)
     with pytest.raises(DegenerateError, match="does not reach"):
