@@ -337,7 +337,7 @@ def study_form(x: DualQuaternion, y: DualQuaternion) -> Scalars:
     >>> int(study_form(i, j - eps * i))       # two skew lines, one apart and at right angles
     -1
     """
-    a, b = _components_of(x, y)
+    a, b = promote(*_components_of(x, y))
     return _inner(a[:4], b[4:]) + _inner(a[4:], b[:4])
 
 
@@ -349,7 +349,7 @@ def null_form(x: DualQuaternion, y: DualQuaternion) -> Scalars:
     >>> int(null_form(1 + 2 * i + eps, 3 + j))
     3
     """
-    a, b = _components_of(x, y)
+    a, b = promote(*_components_of(x, y))
     return _inner(a[:4], b[:4])
 
 

@@ -213,8 +213,9 @@ class Dyad:
         if degenerate == "raise" and bad.any():
             rows = rows_where(bad)
             raise DegenerateError(
-                f"{named_rows(rows)}the dyad does not reach the pose: it passes by at {np.max(off[bad]):.2g} (the tangent "
-                "of half the turn that is missing, or half the shift in units of the dyad's size, whichever is more)",
+                f"{named_rows(rows)}the dyad does not reach the pose: it passes by at {np.max(off[bad]):.2g} "
+                "(the tangent of half the turn that is missing, or half the shift in units of the dyad's size, "
+                "whichever is more)",
                 rows=rows,
             )
         return bad

@@ -110,16 +110,16 @@ class Line:
 
     def contains(self, point: PointLike, *, rtol: float = RTOL) -> Any:
         """Whether the line passes through a point, shape (..., 3)."""
-        point = as_vectors(point, "points")
-        gap = np.cross(point, self.direction) - self.moment
-        length = np.asarray(size(self.direction, -1))[..., None]
-        scale = np.asarray(size(point, -1))[..., None] * length + np.asarray(size(self.moment, -1))[..., None]
+        point, l, m = promote(as_vectors(point, "points"), self.direction, self.moment)
+        gap = np.cross(point, l) - m
+        length = np.asarray(size(l, -1))[..., None]
+        scale = np.asarray(size(point, -1))[..., None] * length + np.asarray(size(m, -1))[..., None]
         return np.all(is_zero(gap, scale, rtol) | is_zero(gap, length, ROUNDING), axis=-1)[()]
 
     def foot(self, point: PointLike = (0, 0, 0)) -> Array:
         """The point of the line that is nearest to a given point (the origin), shape (..., 3)."""
-        point, l = as_vectors(point, "points"), self.direction
-        return divide(np.cross(l, self.moment) + _dot(point, l) * l, _dot(l, l))
+        point, l, m = promote(as_vectors(point, "points"), self.direction, self.moment)
+        return divide(np.cross(l, m) + _dot(point, l) * l, _dot(l, l))
 
     def angle(self, other: Line) -> Any:
         """The angle between the directions, in radians from 0 to π (floats)."""
@@ -144,7 +144,7 @@ class Line:
         Fraction(3, 1)
         """
         parallel = np.asarray(self.is_parallel(other))[..., None]
-        way, normal = _way_and_normal(self, other)
+        way, normal = _way_and_normal(*_alike(self, other))
         along = _dot(way, normal)
         square = np.where(parallel, 1, _dot(normal, normal))
         return square_root(np.where(parallel, _dot(way, way), divide(along * along, square))[..., 0])
@@ -202,6 +202,13 @@ def _as_line(x: Any) -> Line:
     raise TypeError(f"expected a Line, got {type(x).__name__}: Line.from_dual_quaternion(h) is the axis of a rotation")
 
 
+def _alike(first: Line, second: Line) -> tuple[Line, Line]:
+    """Two lines, both in floats if one is."""
+    lines = [np.concatenate([line.direction, line.moment], axis=-1) for line in (_as_line(first), _as_line(second))]
+    first, second = (wrap_line(coordinates) for coordinates in promote(*lines))
+    return first, second
+
+
 def _together(a: np.ndarray, b: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Two arrays of vectors that may be combined, of one shape; a row of NaN in one is a row of NaN in both."""
     a, b = np.broadcast_arrays(*promote(a, b))
@@ -249,8 +256,7 @@ def _dot(x: np.ndarray, y: np.ndarray) -> np.ndarray:
 def _way_and_normal(first: Line, second: Line) -> tuple[np.ndarray, np.ndarray]:
     """From the point of the first line nearest the origin to the opposite point of the second; and l × k."""
     start = first.foot()
-    way, l, k = promote(second.foot(start) - start, *promote(first.direction, second.direction))
-    return way, np.cross(l, k)
+    return second.foot(start) - start, np.cross(first.direction, second.direction)
 
 
 class _Feet(Fault):
@@ -293,7 +299,8 @@ def common_perpendicular(
     [[5, 0, 0], [5, 0, 3]]
     """
     check_degenerate(degenerate)
-    parallel = np.asarray(_as_line(first).is_parallel(_as_line(second)))
+    first, second = _alike(first, second)
+    parallel = np.asarray(first.is_parallel(second))
     way, normal = _way_and_normal(first, second)
     faults = first_fault((parallel, _Feet.PARALLEL), (_is_loose(first, second, way, normal), _Feet.NEARLY_PARALLEL))
     bad = report_faults(faults, _Feet, degenerate)[..., None]

@@ -510,6 +510,7 @@ def _flat(matrix) -> DualQuaternion:
 
 
 def _padded(vectors) -> np.ndarray:
+    assert vectors.dtype.kind != "O" or not any(isinstance(x, float) for x in vectors.flat)
     return np.concatenate([vectors, np.zeros((*np.shape(vectors)[:-1], 5), dtype=int)], axis=-1)
 
 
@@ -543,6 +544,17 @@ def test_exact_numbers_say_the_same_as_floats(call, kind):
     exact, floats = call.function(*arguments), call.function(*[in_floats(x) for x in arguments])
     for (x, _), (y, _) in zip(arrays_of(exact), arrays_of(floats), strict=True):
         assert_same_numbers(np.asarray(x).astype(float), np.asarray(y).astype(float), rtol=1e-7)
+
+
+@pytest.mark.parametrize("call", [call for call in ROWWISE if len(call.takes) > 1], ids=name_of)
+def test_exact_numbers_beside_floats_are_floats(call):
+    arguments = call.draw("fraction", (2,))
+    expected = call.function(*[in_floats(x) for x in arguments])
+    for n in range(len(arguments)):
+        found = call.function(*[in_floats(x) if m == n else x for m, x in enumerate(arguments)])
+        for (x, _), (y, _) in zip(arrays_of(found), arrays_of(expected), strict=True):
+            assert x.dtype == y.dtype, f"floats in argument {n}"
+            assert_same_numbers(x, y)
 
 
 @rowwise
