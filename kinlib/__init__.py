@@ -22,7 +22,7 @@ from kinlib.dual_quaternion import DualQuaternion, eps, i, j, k, null_form, one,
 from kinlib.dyad import Dyad, NullQuadrilateral, TwoRSpace, primal_coordinates, recognise
 from kinlib.errors import DegenerateError, NotFoundError
 from kinlib.factorization import bennett_flip, exchange, factorizations, factorize, quadratic_of
-from kinlib.goldberg import goldberg_linkages
+from kinlib.goldberg import goldberg_linkages, goldberg_linkages_with_stops
 from kinlib.interpolation import Families, conic_through, cubics_through, fourth_parameters
 from kinlib.line import Line, common_perpendicular
 from kinlib.linkage import Linkage
@@ -43,6 +43,7 @@ from kinlib.study import (
     is_null_line,
     study_projection,
 )
+from kinlib.surface import NearestStop, nearest_stop, stops_on_line
 from kinlib.task_linkages import bennett_linkages_for, goldberg_linkages_for, six_r_linkages_for
 from kinlib.three_poses import dyads_through_poses, study_eigenvalues
 from kinlib.timetable import ConstantPointSpeed, ConstantSpeed, RestAtPoses, Timetable
@@ -71,6 +72,7 @@ __all__ = [
     "Linkage",
     "MotionPolynomial",
     "NearestPose",
+    "NearestStop",
     "NotFoundError",
     "NullQuadrilateral",
     "NumberField",
@@ -109,6 +111,7 @@ __all__ = [
     "from_rigid_transform",
     "goldberg_linkages",
     "goldberg_linkages_for",
+    "goldberg_linkages_with_stops",
     "half_turn",
     "i",
     "is_exact",
@@ -119,6 +122,7 @@ __all__ = [
     "k",
     "linear_factor",
     "meet",
+    "nearest_stop",
     "null_form",
     "null_space",
     "one",
@@ -134,6 +138,7 @@ __all__ = [
     "six_r_linkages_for",
     "size",
     "square_root",
+    "stops_on_line",
     "study_eigenvalues",
     "study_form",
     "study_projection",

@@ -1,12 +1,30 @@
-"""5R linkages through three poses, two for each of the four planes of z: of Karger's class, Goldberg's among them."""
+"""5R linkages through three poses, or through five of one dyad: of Karger's class, Goldberg's among them."""
 
 from __future__ import annotations
 
-from kinlib.linkage import Linkage
-from kinlib.typing import Degenerate, PoseLike, ZLike
-from kinlib.z_plane import z_planes
+import math
+from collections.abc import Sequence
+from itertools import combinations
 
-__all__ = ["goldberg_linkages"]
+import numpy as np
+
+from kinlib.dual_quaternion import DualQuaternion, null_form, one
+from kinlib.dyad import Dyad
+from kinlib.errors import DegenerateError
+from kinlib.factorization import factorizations
+from kinlib.linkage import Linkage, verified_linkage
+from kinlib.motion_polynomial import MotionPolynomial
+from kinlib.poses import gap
+from kinlib.projective import null_space
+from kinlib.scalar import as_float, as_scalars, divide, is_exact, is_infinite, is_zero
+from kinlib.surface import Stop
+from kinlib.typing import Degenerate, PoseLike, ScalarLike, Scalars, ZLike
+from kinlib.z_plane import SIDES, ZPlane, z_planes
+
+__all__ = ["goldberg_linkages", "goldberg_linkages_with_stops"]
+
+SAME = 1e-12
+"""Two parameters of a joint are one if they differ by no more than this, relative to their size."""
 
 PLACES = tuple(f"dyad {number}, {side} joint turning twice: " for number in (1, 2) for side in ("base", "moving"))
 
@@ -56,3 +74,123 @@ def goldberg_linkages(
     return tuple(
         linkage for plane, place in planes for linkage in plane.linkages(z, degenerate=degenerate, place=place)
     )
+
+
+def goldberg_linkages_with_stops(
+    dyad: Dyad, stops: Sequence[tuple[ScalarLike, ScalarLike]], *, side: str = "base"
+) -> tuple[Linkage, Linkage]:
+    """The two 5R linkages that carry a dyad from home through four more of its poses, one of its joints turning twice.
+
+    Let joint A turn twice, by (t − z1)(t − z2) = t² − σt + π with h_A in the place of √−1, and B once.  The cubic is in
+    the pose (s_A, s_B) at t = s_B exactly if σ1 s_B + σ2 s_A s_B − π1 − π2 s_A = s_B²: four linear equations.
+
+    Parameters
+    ----------
+    dyad : Dyad
+        Single; an exact one with exact stops gives exact linkages.
+    stops : sequence of four pairs (t1, t2)
+        The parameters of its joints in the four poses: such as `dyad.parameters(pose)`, or what
+        :func:`stops_on_line` and :func:`nearest_stop` find.  A linkage meets them in the order of those of the joint
+        that turns once.
+    side : {"base", "moving"}
+        Which joint of the dyad turns twice.
+
+    Returns
+    -------
+    pair of Linkages
+        With the same coupler motion; their ``parameters`` belong to the five poses.
+
+    Raises
+    ------
+    DegenerateError
+        If the four poses do not determine a cubic, or it belongs to no 5R linkage.
+
+    Examples
+    --------
+    >>> dyad = Dyad(k, j - eps * i)
+    >>> linkage, _ = goldberg_linkages_with_stops(dyad, [(0, 0), (1, 2), (-2, 1), (1, -2)])
+    >>> linkage.joints, linkage.parameters, linkage.closure_residual()
+    ((2, 1, 1, 1, 1), (inf, 0, 2, 1, -2), 0.0)
+    >>> linkage.coupler_motion(1), dyad(-2, 1)
+    (-2 - i + 2 j - k - 2 εi - εj, -2 - i + 2 j - k - 2 εi - εj)
+    """
+    pairs = _checked_stops(dyad, stops, side)
+    z = _root(_quadratic(pairs), (dyad.h1 if side == "base" else dyad.h2).primal)
+    candidates, fault = [], DegenerateError("no two of the four poses have a plane of z with the home pose")
+    for m, n in combinations(stops, 2):  # the plane of two of them knows nothing of the others
+        try:
+            plane = ZPlane.of(dyad, dyad(*m), dyad(*n), side=side)
+            linkages = plane.linkages(z)
+        except DegenerateError as error:
+            fault = error
+            continue
+        off = [_off(plane, linkages[0], b, dyad(*stop)) for (_, b), stop in zip(pairs, stops, strict=True)]
+        candidates.append((max(off), linkages))
+        if max(off) <= MISSED / 100:
+            break
+    if not candidates:
+        raise fault
+    missed, linkages = min(candidates, key=lambda pair: pair[0])
+    if missed > MISSED:
+        raise DegenerateError(f"the five poses nearly fail to determine a cubic: one is missed by {missed:.2g}")
+    parameters = (math.inf, *(b for _, b in pairs))
+    first, second = (verified_linkage(x.factors, x.joints, x.coupler, x.home, parameters) for x in linkages)
+    return first, second
+
+
+MISSED = 1e-8
+"""How far a linkage may be from its five poses, in half-angles and in units of their size; exact ones are met."""
+
+
+def _checked_stops(dyad: Dyad, stops: Sequence[Stop], side: str) -> list[Stop]:
+    """The pairs (s_A, s_B) of the joint that turns twice and of that which turns once."""
+    if not isinstance(dyad, Dyad) or dyad.shape:
+        raise TypeError(f"expected a single Dyad, got {dyad!r}")
+    if side not in SIDES:
+        raise ValueError(f"expected the side 'base' or 'moving', got {side!r}")
+    numbers = as_scalars(stops)
+    if numbers.shape != (4, 2):
+        raise ValueError(f"expected four pairs (t1, t2) of numbers, got an array of shape {numbers.shape}")
+    pairs = [(a, b) if side == "base" else (b, a) for a, b in numbers]
+    once = [b for _, b in pairs]
+    if any(is_infinite(b) for b in once):
+        raise DegenerateError("the joint that turns once is at home in one of the poses, but t = ∞ is the home pose")
+    if any(is_zero(b - c, abs(b) + abs(c), SAME) for b, c in combinations(once, 2)):
+        raise DegenerateError("two of the poses have the joint that turns once in one place: it is there only once")
+    return pairs
+
+
+def _quadratic(pairs: Sequence[Stop]) -> tuple[Scalars, ...]:
+    """The σ1, σ2, π1, π2 of the four linear equations."""
+    matrix = as_scalars([_equation(a, b) for a, b in pairs])
+    if not is_exact(matrix):
+        matrix = matrix / np.abs(matrix).max(axis=-1, keepdims=True)
+    solutions = null_space(matrix)
+    if len(solutions) != 1 or is_zero(solutions[0][-1], np.max(np.abs(as_float(solutions[0]))), SAME):
+        raise DegenerateError("the four linear equations have no single solution: a conic meets the poses, or no cubic")
+    return tuple(divide(x, solutions[0][-1]) for x in solutions[0][:4])
+
+
+def _equation(a: Scalars, b: Scalars) -> list[Scalars]:
+    """The coefficients of σ1, σ2, π1, π2, 1; divided by s_A where that is infinite."""
+    return [b * 0, b, b * 0, b * 0 - 1, b * 0] if is_infinite(a) else [b, a * b, b * 0 - 1, -a, -b * b]
+
+
+def _root(numbers: tuple[Scalars, ...], h: DualQuaternion) -> tuple[Scalars, Scalars]:
+    """The x, y of a root of t² − σt + π, with h in the place of √−1."""
+    sigma1, sigma2, pi1, pi2 = numbers
+    P = MotionPolynomial.from_coefficients([one, -(h * sigma2 + sigma1), h * pi2 + pi1])
+    try:
+        root = factorizations(P)[0][0]
+    except DegenerateError:
+        raise DegenerateError(
+            "a root of the quadratic of the joint that turns twice is real: the five poses are met by a conic, "
+            "the motion of a Bennett linkage"
+        ) from None
+    return root.scalar_part, divide(null_form(root, h), null_form(h, h))
+
+
+def _off(plane: ZPlane, linkage: Linkage, t: Scalars, pose: DualQuaternion) -> float:
+    """How far a linkage is at t from a pose, as seen by the plane."""
+    back = pose.inverse()
+    return float(gap(*(plane.problem.inward(q * back) for q in (linkage.coupler_motion(t), pose))))

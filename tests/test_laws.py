@@ -612,7 +612,7 @@ def test_a_chain_is_the_same_from_everywhere(a, b, c, d, q):
 
 
 def test_every_public_name_has_a_law():
-    for laws in ("test_laws_of_synthesis", "test_search", "test_task"):
+    for laws in ("test_laws_of_synthesis", "test_search", "test_stops", "test_task"):
         importlib.import_module(laws)
     COVERED.update(name for call in ROWWISE for name in call.names)
     kinds_of_arguments = {name for name in kinlib.__all__ if not callable(getattr(kinlib, name)) or _is_alias(name)}

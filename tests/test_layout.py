@@ -59,6 +59,7 @@ ORDER = [
     "linkage",
     "pose_faults",
     "dyad_routes",
+    "surface",
     "three_poses",
     "bennett",
     "six_r",
