@@ -135,7 +135,7 @@ class Line:
     def distance(self, other: Line) -> Any:
         """The shortest distance of two lines, in units of length; exact where a square root allows.
 
-        For points a, b of the lines with directions l, k it is \\|(b − a) · (l × k)\\| / \\|l × k\\|, and for parallel
+        For points a, b of the lines with directions l, k it is |(b − a) · (l × k)| / |l × k|, and for parallel
         lines the distance of their points that are opposite each other.
 
         Examples

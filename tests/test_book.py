@@ -162,6 +162,19 @@ def test_every_scene_has_a_still_a_number_and_a_caption(html, name):
     assert [figure[:80] for figure in figures if not CAPTION.search(figure)] == []
 
 
+def test_bars_of_docstrings_are_bars(html):
+    text = (html / "book/api.html").read_text(encoding="utf-8")
+    assert "|(b − a) · (l × k)| / |l × k|" in text  # in words
+    assert '>"|"<' in text  # in code
+    assert r"\|" not in text
+
+
+@pytest.mark.parametrize("name", PAGES)
+def test_every_caption_has_its_picture(html, name):
+    figures = re.findall(r"<figure.*?</figure>", (html / name).read_text(encoding="utf-8"), re.DOTALL)
+    assert [figure[:80] for figure in figures if not re.search("<(img|svg|iframe)", figure)] == []
+
+
 @pytest.mark.parametrize("page", PAGES)
 def test_pages_are_light(links, html, page):
     here = (html / page).resolve()
