@@ -42,6 +42,7 @@ SCENES = (  # slow, and no assert looks at them
     "linkage_scene",
     "linkages_side_by_side",
     "map_scene",
+    "sampled_linkages_scene",
 )
 PATIENCE = 60  # seconds for one cell
 

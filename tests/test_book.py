@@ -17,7 +17,7 @@ from selenium.webdriver.common.keys import Keys
 import kinlib
 from browser import screen, wait_until
 from kinlib.pictures import BLUE, VERMILION
-from pages import NOTEBOOKS, PAGES, ROOT, SCENES, TEXTS
+from pages import EXPLORABLE, NOTEBOOKS, PAGES, ROOT, SCENES, TEXTS
 
 FILES = ("CITATION.cff", "pyproject.toml", "README.md", "CONTRIBUTING.md", "book/assignments/pyproject.toml")
 
@@ -273,13 +273,24 @@ slider.dispatchEvent(new Event("input"));
 """
 
 
+@pytest.mark.parametrize("name", PAGES)
+def test_pages_have_their_scenes(html, name):
+    text = (html / name).read_text(encoding="utf-8")
+    figures = re.findall(r'<figure [^>]*?id="([^"]+)">(?:(?!</figure>).)*?class="kinlib-scene"', text, re.DOTALL)
+    assert figures == SCENES.get(name, [])
+    assert text.count('class="kinlib-scene"') == len(figures)
+
+
 @pytest.mark.parametrize("name", SCENES)
 def test_scenes_play_and_obey(page, name):
     driver = page(name)
-    for frame in driver.find_elements("css selector", "iframe.kinlib-scene"):
+    frames = driver.find_elements("css selector", "iframe.kinlib-scene")
+    assert len(frames) == len(SCENES[name])
+    for figure, frame in zip(SCENES[name], frames, strict=True):
         driver.execute_script("arguments[0].scrollIntoView({block: 'center', behavior: 'instant'})", frame)
         driver.switch_to.frame(frame)
         plays_and_obeys(driver)
+        assert driver.execute_script("return !!kinlib.parameters") == (figure in EXPLORABLE)
         driver.switch_to.default_content()
 
 
@@ -294,6 +305,10 @@ def follows_its_controls(driver):
         control.send_keys(Keys.ARROW_RIGHT)
         assert ask("return kinlib.points()") != before
         assert control.get_attribute("aria-valuetext")
+    for button in driver.find_elements("css selector", ".move"):
+        before = ask("return kinlib.points()")
+        button.click()
+        assert ask("return kinlib.points()") != before
     ask("kinlib.play()")
 
 

@@ -8,7 +8,19 @@ import pytest
 import kinlib as kl
 from browser import console_messages, requested_urls, screen, wait_until
 from kinlib.gallery import THREE_POSES
-from kinlib.pictures import Choice, Frame, Label, Pad, Rod, Seen, Slider, explorable_scene, goldberg_scene, static_files
+from kinlib.pictures import (
+    Choice,
+    Frame,
+    Label,
+    Pad,
+    Rod,
+    Samples,
+    Seen,
+    Slider,
+    explorable_scene,
+    goldberg_scene,
+    static_files,
+)
 
 ALT = "A Goldberg linkage through three poses follows the number z."
 
@@ -150,6 +162,58 @@ def test_a_function_that_chooses_by_its_parameters_is_refused():
 
     with pytest.raises(ValueError, match="the comparison > changes within the ranges"):
         explorable_scene(show, [Slider("a", -1, 1, Fraction(1, 2))], alt="A rod.")
+
+
+def test_a_slider_stops_where_something_was_computed(scene, tmp_path):
+    """Between its stops the nearest counts, by an order, by a key and from a link; each choice has its own."""
+    values, roots = [0.0, 0.5, 2.0], [[1.0, 1.25, 3.5], [-1.0, -2.0, -0.125]]
+    slider = Samples("f", values, {"root": roots}, 0.5, "free")
+    scene_of = explorable_scene(
+        lambda root, sign: [Rod([0, 0, 0], [root, sign, 1])],
+        [slider, Choice("sign", ["plus", "minus"])],
+        alt="A rod follows a root.",
+    )
+    driver = scene(path=scene_of.save(tmp_path / "stops.html"))
+    for value, sign, wanted in ((1.2, 0, 1.25), (1.3, 1, -0.125), (-7, 1, -1), (0.5, 0, 1.25)):
+        ask(driver, "kinlib.set('f', arguments[0]); kinlib.choose('sign', arguments[1])", value, sign)
+        assert ask(driver, "return kinlib.points()[1]") == [wanted, sign, 1]
+    assert ask(driver, "return kinlib.parameters") == {"f": 0.5, "sign": 0}
+    from selenium.webdriver.common.keys import Keys
+
+    bar = driver.find_element("css selector", ".slide input")
+    bar.send_keys(Keys.ARROW_RIGHT)
+    assert ask(driver, "return kinlib.points()[1][0]") == 3.5
+    assert bar.get_attribute("aria-valuetext") == "2.00 · 3/3"
+    driver = scene("#f=0.4&sign=1", path=tmp_path / "stops.html")
+    assert ask(driver, "return kinlib.parameters") == {"f": 0.5, "sign": 1}
+    assert ask(driver, "return kinlib.points()[1][0]") == -2
+
+
+def test_samples_say_what_they_need():
+    with pytest.raises(ValueError, match=r"two values at least, in ascending order, got \[1, 0\]"):
+        Samples("f", [1, 0], {"x": [1, 2]}, 1)
+    with pytest.raises(ValueError, match=r"a start among the values, got 0.5"):
+        Samples("f", [0, 1], {"x": [1, 2]}, 0.5)
+    with pytest.raises(ValueError, match=r"samples of shape \(..., 2\), one a value, got {'x': \(3,\)}"):
+        Samples("f", [0, 1], {"x": [1, 2, 3]}, 0)
+
+
+def test_buttons_lead_from_option_to_option(scene, tmp_path):
+    ring = Choice("n", ["zero", "one", "two"], moves=[("next", [1, 2, 0]), ("first", [0, 0, 0])])
+    made = explorable_scene(lambda n, a: [Rod([0, 0, 0], [a, n, 1])], [ring, Slider("a", 0, 1, 1)], alt="A rod.")
+    driver = scene(path=made.save(tmp_path / "ring.html"))
+    forward, first = driver.find_elements("css selector", ".move")
+    seen = []
+    for _ in range(3):
+        forward.click()
+        seen.append((ask(driver, "return kinlib.points()[1][1]"), driver.find_element("css selector", ".choices").text))
+    assert [n for n, _ in seen] == [1, 2, 0]
+    assert [text.split()[-1] for _, text in seen] == ["one", "two", "zero"]
+    forward.click()
+    first.click()
+    assert ask(driver, "return kinlib.parameters.n") == 0
+    with pytest.raises(ValueError, match="3 numbers of options for a move, one an option; not so: \\['next'\\]"):
+        Choice("n", ["zero", "one", "two"], moves=[("next", [1, 2, 3])])
 
 
 def test_the_scene_works_in_a_book(goldberg, chromium, tmp_path, monkeypatch):

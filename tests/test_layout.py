@@ -105,6 +105,7 @@ ORDER = [
     "pictures.tasks",
     "pictures.explorable",
     "pictures.explorable_5r",
+    "pictures.explorable_samples",
 ]
 
 PUBLIC = [

@@ -23,7 +23,7 @@ try:
         link_colours,
         link_names,
     )
-    from kinlib.pictures.controls import Choice, Pad, Slider, Turn
+    from kinlib.pictures.controls import Choice, Pad, Samples, Slider, Turn
     from kinlib.pictures.draw import (
         draw_curve,
         draw_frames,
@@ -38,6 +38,7 @@ try:
     )
     from kinlib.pictures.explorable import ExplorableScene, Seen, Trail, explorable_scene
     from kinlib.pictures.explorable_5r import goldberg_scene, linkage_seen, map_scene
+    from kinlib.pictures.explorable_samples import sampled_linkages_scene
     from kinlib.pictures.formula import Formula, record
     from kinlib.pictures.joint_angles import draw_joint_angles
     from kinlib.pictures.moving import dyad_scene, linkage_scene, linkages_side_by_side
@@ -71,6 +72,7 @@ __all__ = [
     "Label",
     "Pad",
     "Rod",
+    "Samples",
     "Scene",
     "SceneGrid",
     "Seen",
@@ -100,6 +102,7 @@ __all__ = [
     "on_hyperboloid",
     "plane_axes",
     "record",
+    "sampled_linkages_scene",
     "space_axes",
     "static_files",
     "task_scene",

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import base64
 import io
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import product
 from typing import TypeAlias
@@ -14,8 +14,9 @@ import numpy as np
 from PIL import Image
 
 from kinlib.pictures.shapes import Table
+from kinlib.typing import ArrayLike
 
-__all__ = ["Choice", "Control", "Pad", "Slider", "Turn"]
+__all__ = ["Choice", "Control", "Pad", "Samples", "Slider", "Turn"]
 
 Range: TypeAlias = tuple[float, float]
 
@@ -105,19 +106,102 @@ class Slider:
 
 
 @dataclass(frozen=True)
+class Samples:
+    """A slider that stops at some values only, for which further parameters were computed before.
+
+    What is seen depends on these, by their names; the page knows them in full only where the slider stops.
+
+    Parameters
+    ----------
+    name : str
+        What the slider is called.
+    values : sequence of float
+        Where it stops, in ascending order.
+    samples : mapping of str to array_like, shape (..., values)
+        The further parameters, with one axis for each choice of the scene before that of the values.
+    start : float
+        At which of the values it is at first.
+    """
+
+    name: str
+    values: Sequence[float]
+    samples: Mapping[str, ArrayLike]
+    start: float
+    label: str = ""
+    unit: str = ""
+
+    def __post_init__(self) -> None:
+        values = np.asarray(self.values, dtype=float)
+        if len(values) < 2 or not (np.diff(values) > 0).all():
+            raise ValueError(f"expected two values at least, in ascending order, got {self.values}")
+        if self.start not in values:
+            raise ValueError(f"expected a start among the values, got {self.start}")
+        shapes = {name: np.asarray(row).shape for name, row in self.samples.items()}
+        wrong = {name: shape for name, shape in shapes.items() if shape[-1:] != values.shape}
+        if wrong:
+            raise ValueError(f"expected samples of shape (..., {len(values)}), one a value, got {wrong}")
+
+    def table(self) -> Table:
+        """For the page."""
+        return {
+            "kind": "slider", "name": self.name, "label": self.label or self.name, "unit": self.unit,
+            "limits": [float(self.values[0]), float(self.values[-1])], "start": float(self.start),
+            "values": [float(value) for value in self.values], "sampled": list(self.samples),
+        }  # fmt: skip
+
+    def ranges(self) -> dict[str, Range]:
+        """The ranges of the further parameters."""
+        rows = {name: np.asarray(row, dtype=float) for name, row in self.samples.items()}
+        return {name: (float(row.min()), float(row.max())) for name, row in rows.items()}
+
+    def rows(self, choices: dict[str, int]) -> list[list[float]]:
+        """The further parameters for one way to choose, value by value, in twelve digits."""
+        picked = [np.asarray(row, dtype=float)[tuple(choices.values())] for row in self.samples.values()]
+        return [[float(f"{x:.12g}") for x in row] for row in np.transpose(picked)]
+
+    def at(self, choices: dict[str, int], value: float) -> dict[str, float]:
+        """The further parameters where the slider stops."""
+        place = int(np.argmin(np.abs(np.asarray(self.values) - value)))
+        return dict(zip(self.samples, self.rows(choices)[place], strict=True))
+
+
+@dataclass(frozen=True)
 class Choice:
-    """A parameter that is the number 0, 1, … of one of several options, which have names."""
+    """A parameter that is the number 0, 1, … of one of several options, which have names.
+
+    Parameters
+    ----------
+    name : str
+        What the parameter is called.
+    options : sequence of str
+        The names.
+    start : int
+        The number of the option that is chosen at first.
+    label : str
+        What is written next to it.
+    moves : sequence of (str, sequence of int)
+        If given, the reader has buttons instead of a list: what is written on each, and to which option it leads from
+        the options 0, 1, ….
+    """
 
     name: str
     options: Sequence[str]
     start: int = 0
     label: str = ""
+    moves: Sequence[tuple[str, Sequence[int]]] = ()
+
+    def __post_init__(self) -> None:
+        numbers = range(len(self.options))
+        wrong = [text for text, to in self.moves if len(to) != len(numbers) or not set(to) <= set(numbers)]
+        if wrong:
+            raise ValueError(f"expected {len(numbers)} numbers of options for a move, one an option; not so: {wrong}")
 
     def table(self) -> Table:
         """For the page."""
         return {
             "kind": "choice", "name": self.name, "label": self.label or self.name,
             "options": list(self.options), "start": self.start,
+            "moves": [[text, [int(n) for n in to]] for text, to in self.moves],
         }  # fmt: skip
 
     def ranges(self) -> dict[str, Range]:
@@ -150,7 +234,7 @@ class Turn:
         return np.asarray(self.angles(**choices), dtype=float)
 
 
-Control: TypeAlias = Pad | Slider | Choice
+Control: TypeAlias = Pad | Slider | Samples | Choice
 
 
 def combinations(controls: Sequence[Control]) -> Iterator[dict[str, int]]:

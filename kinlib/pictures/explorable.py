@@ -18,7 +18,7 @@ import numpy as np
 from kinlib.displacement import as_matrix
 from kinlib.dual_quaternion import DualQuaternion
 from kinlib.pictures.colours import PIN, X_AXIS, Y_AXIS, Z_AXIS
-from kinlib.pictures.controls import Control, Pad, Turn, combinations, starts
+from kinlib.pictures.controls import Control, Pad, Samples, Turn, combinations, starts
 from kinlib.pictures.formula import record
 from kinlib.pictures.page import page_of, shown
 from kinlib.pictures.parts import Ball, Curve, Frame, Label, Part, Rod
@@ -137,7 +137,7 @@ def explorable_scene(
     ----------
     show : callable
         Takes all parameters by name, the choices as whole numbers, and returns the parts that are seen, or `Seen`.
-    controls : sequence of Pad, Slider, Choice
+    controls : sequence of Pad, Slider, Samples, Choice
         What can be changed.
     alt : str
         A sentence that says what is to be seen.
@@ -220,6 +220,9 @@ class _Sight:
     def seen(self, start: dict[str, float], angle: float) -> Seen:
         """What is seen at the start, at an angle of the turn."""
         parameters = {name: start[name] for name in self.ranges() if name in start}
+        for control in self.controls:
+            if isinstance(control, Samples):
+                parameters |= control.at(self.choices, start[control.name])
         t = {self.turn.name: 1 / np.tan(angle / 2) if angle else 1e9} if self.turn else {}
         return self(**parameters, **t)
 
@@ -255,14 +258,15 @@ class _Stage:
     def item(self, part: Any) -> Table:
         """How a part is drawn, but for its points."""
         kind = type(part).__name__.lower()
-        kinds = {"ball": 0.025, "frame": 0.0144, "label": 0, "rod": 0.012}
+        kinds = {"ball": 0.025, "frame": 0, "label": 0, "rod": 0.012}
         radius = part.radius if not isinstance(part, (Frame, Label)) else None
         item = {
             "kind": kind, "count": len(points_of(part)), "radius": self.view.length(radius, kinds.get(kind, 0.007)),
             "colour": getattr(part, "colour", PIN), "opacity": getattr(part, "opacity", 1.0),
         }  # fmt: skip
         if isinstance(part, Frame):
-            item |= {"size": part.size or 0.18 * self.view.radius}
+            size = part.size or 0.18 * self.view.radius
+            item |= {"size": size, "radius": part.radius * self.view.length(size, 0)}
         if isinstance(part, Curve):
             item |= {"closed": part.closed}
         return item
@@ -280,7 +284,7 @@ def _explorer(sights: Sequence[_Sight], stage: _Stage, example: Seen) -> Table:
     return {
         "inputs": list(sights[0].ranges()),
         "formulas": formulas, "formulaOf": which,
-        "controls": [control.table() | _pictures(control, sights, pictures) for control in controls],
+        "controls": [control.table() | _for_choices(control, sights, pictures) for control in controls],
         "pictures": pictures,
         "turn": turn.name if turn else "",
         "turns": [np.round(turn.at(sight.choices), 7).tolist() if turn else [0] for sight in sights],
@@ -301,10 +305,11 @@ def _items(seen: Seen, stage: _Stage) -> list[Table]:
     return items
 
 
-def _pictures(control: Control, sights: Sequence[_Sight], pictures: list[Any]) -> Table:
-    if not isinstance(control, Pad):
-        return {}
-    return {"pictures": [_place_in(pictures, control.picture(sight.choices)) for sight in sights]}
+def _for_choices(control: Control, sights: Sequence[_Sight], pictures: list[Any]) -> Table:
+    """What of a control depends on the choices."""
+    if isinstance(control, Pad):
+        return {"pictures": [_place_in(pictures, control.picture(sight.choices)) for sight in sights]}
+    return {"samples": [control.rows(sight.choices) for sight in sights]} if isinstance(control, Samples) else {}
 
 
 def _place_in(known: list[Any], value: Any) -> int:

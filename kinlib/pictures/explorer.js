@@ -38,7 +38,14 @@ window.explore = (recording, { state, draw, frame }) => {
     const angle = turns[first] + (at - Math.floor(at)) * (step - whole * Math.round(step / whole));
     return Math.min(Math.max(1 / Math.tan(angle / 2), -FAR), FAR);
   }
-  const evaluate = (at) => formulas[given.formulaOf[which()]](...inputs.map((name) => (name === given.turn ? parameter(at) : values[name])));
+  // Further parameters that belong to where a slider stops.
+  const sources = Object.fromEntries(controls.flatMap((c) => (c.sampled || []).map((name, k) => [name, [c, k]])));
+  function sample(name) {
+    const [control, k] = sources[name];
+    return control.samples[which()][control.values.indexOf(values[control.name])][k];
+  }
+  const input = (name, at) => (name === given.turn ? parameter(at) : name in values ? values[name] : sample(name));
+  const evaluate = (at) => formulas[given.formulaOf[which()]](...inputs.map((name) => input(name, at)));
 
   function judge() {
     const near = (limit) => given.bad.find((_, n) => !(Math.abs(now.bad[n]) > limit));
@@ -141,13 +148,14 @@ window.explore = (recording, { state, draw, frame }) => {
     };
   }
 
-  function addSlider({ name, label, limits: [low, high], unit: shown }) {
+  function addSlider({ name, label, limits: [low, high], unit: shown, values: stops }) {
     const line = make("label", { class: "slide" }, panel, `${label} `);
-    const slider = make("input", { type: "range", min: low, max: high, step: (high - low) / 400 }, line);
+    const range = stops ? { min: 0, max: stops.length - 1, step: 1 } : { min: low, max: high, step: (high - low) / 400 };
+    const slider = make("input", { type: "range", ...range }, line);
     const out = make("output", {}, line);
     slider.addEventListener("input", () => {
       dragging = true;
-      change({ [name]: Number(slider.value) });
+      change({ [name]: stops ? stops[slider.value] : Number(slider.value) });
     });
     slider.addEventListener("change", () => {
       dragging = false;
@@ -159,17 +167,30 @@ window.explore = (recording, { state, draw, frame }) => {
       event.preventDefault();
     });
     return () => {
-      slider.value = values[name];
-      out.textContent = short(values[name], 2) + shown;
+      slider.value = stops ? stops.indexOf(values[name]) : values[name];
+      const among = stops ? ` · ${stops.indexOf(values[name]) + 1}/${stops.length}` : "";
+      out.textContent = short(values[name], 2) + shown + among;
       slider.setAttribute("aria-valuetext", out.textContent);
     };
   }
 
-  function addChoice({ name, label, options }) {
+  function addChoice({ name, label, options, moves }) {
+    if (moves.length) return addMoves({ name, label, options, moves });
     const select = make("select", {}, make("label", { class: "choice" }, panel, `${label} `));
     options.forEach((text, n) => make("option", { value: n }, select, text));
     select.addEventListener("change", () => change({ [name]: Number(select.value) }));
     return () => { select.value = values[name]; };
+  }
+
+  // Buttons that lead from one of the options to another.
+  function addMoves({ name, label, options, moves }) {
+    const line = make("p", { class: "choices" }, panel, label);
+    const out = make("output", { "aria-live": "polite" }, line);
+    for (const [text, next] of moves) {
+      const button = make("button", { type: "button", class: "word move" }, make("p", { class: "choices" }, panel), text);
+      button.addEventListener("click", () => change({ [name]: next[values[name]] }));
+    }
+    return () => { out.textContent = options[values[name]]; };
   }
 
   function refresh() {
@@ -194,8 +215,13 @@ window.explore = (recording, { state, draw, frame }) => {
     }));
   }
   function change(wanted) {
-    Object.assign(values, wanted);
+    for (const [name, value] of Object.entries(wanted)) values[name] = settled(name, value);
     refresh();
+  }
+  // A slider that stops at some values only goes to the nearest.
+  function settled(name, value) {
+    const { values: stops } = controls.find((c) => c.name === name) || {};
+    return stops ? stops.reduce((best, x) => (Math.abs(x - value) < Math.abs(best - value) ? x : best)) : value;
   }
 
   // ---- a link that holds the state --------------------------------------------------------------------------
@@ -212,7 +238,7 @@ window.explore = (recording, { state, draw, frame }) => {
     const asked = new URLSearchParams(page.location.hash.slice(1));
     if (page !== window && asked.get("scene") !== String(number())) return false;
     const known = Object.keys(values).filter((name) => asked.has(name) && allowed(name, Number(asked.get(name))));
-    known.forEach((name) => { values[name] = Number(asked.get(name)); });
+    known.forEach((name) => { values[name] = settled(name, Number(asked.get(name))); });
     return known.length > 0;
   }
   function allowed(name, value) {
@@ -325,6 +351,18 @@ window.explore = (recording, { state, draw, frame }) => {
     });
     if (now && !wrong) drawTrails();
   }
+  // As many times, closer together where one of the paths is passed in a rush.
+  function evenly(times, paths) {
+    const far = ([a, b, c], [x, y, z]) => Math.min(Math.hypot(a - x, b - y, c - z), 1);
+    const lengths = times.map((_, n) => 0.02 + Math.max(...paths.map((path) => far(path[n], path[(n + 1) % path.length]))));
+    const whole = lengths.reduce((sum, length) => sum + length);
+    let [n, passed] = [0, 0];
+    return times.map((_, k) => {
+      const wanted = k * whole / times.length;
+      while (passed + lengths[n] < wanted) passed += lengths[n++];
+      return (n + (wanted - passed) / lengths[n]) * frames / times.length;
+    });
+  }
   const placed = (at) => at.points.map(inView);
   function drawTrails() {
     if (given.itemsOf[which()] !== drawn) {
@@ -333,7 +371,10 @@ window.explore = (recording, { state, draw, frame }) => {
     }
     const trails = pieces.filter(({ lays }) => lays.trail);
     if (!trails.length) return;
-    const turn = [...Array(given.steps).keys()].map((n) => placed(evaluate(n * frames / given.steps)));
+    const pathAt = (times) => times.map((at) => placed(evaluate(at)));
+    const times = [...Array(given.steps).keys()].map((n) => n * frames / given.steps);
+    let turn = pathAt(times);
+    if (!dragging) turn = pathAt(evenly(times, trails.map(({ range: [n] }) => turn.map((points) => points[n]))));
     trails.forEach(({ lays, range: [n] }) => lays.trail(turn.map((points) => points[n])));
   }
   // All comes into view, unless it runs far away.
