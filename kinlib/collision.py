@@ -2,25 +2,30 @@
 
 from __future__ import annotations
 
-import math
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from functools import lru_cache
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from kinlib.chain import Lines, batch_index, first_row
+from kinlib.circle import narrowed, roots_of, samples, turned_charts
 from kinlib.errors import Fault, report_faults
-from kinlib.moving_bars import AT_INFINITY, MovingBars, Pair, cross, distance, dot, pairs_without_joint
+from kinlib.moving_bars import MovingBars, Pair, cross, distance, dot, pairs_without_joint
 from kinlib.scalar import RTOL, as_float, as_scalars
 from kinlib.shown import as_text
 from kinlib.typing import Array, ArrayLike, Degenerate, Scalars
 
 __all__ = ["Collision", "CollisionFault", "Collisions", "clearances", "collisions_in_floats"]
 
-ONE_ROOT = 1e-4
-"""Roots that are nearer than this angle count as one: so far can rounding move a double or a triple root."""
+APART = (1e-4, 1e-6, 1e-8, 0.0)
+"""Roots that are nearer than these angles are tried as one: so far can rounding move double and triple roots."""
+
+PARALLEL = 1e-8
+"""Bars whose angle has a smaller sine than this lie along each other."""
+
+ROUNDED = 1e-13
+"""Volumes below this may have the wrong sign."""
 
 NEARLY = 1e-3
 """Bars that are nearer than this, in units of the size, at a root of the polynomial may meet next to it."""
@@ -238,7 +243,7 @@ def collisions_in_floats(
         lines = [_Lines(inner, pair, n, m) for n in pieces for m in pieces]
         in_plane = [line.always_meet for line in lines]
         faults[defined] |= np.any(in_plane, axis=0) * int(CollisionFault.IN_A_PLANE)
-        found.append(_without_doubles([line.collisions(rtol) for line in lines], inner, pair))
+        found.append(_each_once([line.meetings(rtol) for line in lines], inner, pair, rtol))
     bad = report_faults(faults.reshape(shape), CollisionFault, degenerate).reshape(-1)
     hits = Found(*map(np.concatenate, zip(*found, strict=True))) if found else _nothing()
     hits = hits._replace(rows=defined[hits.rows])
@@ -261,9 +266,9 @@ class _Lines:
         self.lines = [_with_direction(piece, bars.size) for piece in (self.first, self.second)]
         self.weight = [bars.joints[n] for n in pair.joints]
         self.degree = 2 * sum(len(joint.rate) for joint in self.weight)
-        values = [self.volume(angle) for angle in _samples(self.degree)]
+        values = [self.volume(angle) for angle in samples(self.degree)]
         self.always_meet = np.abs(values).max(axis=0) <= RTOL
-        self.values = np.stack([v * w for v, w in zip(values, map(self.norm, _samples(self.degree)), strict=True)])
+        self.values = np.stack([v * w for v, w in zip(values, map(self.norm, samples(self.degree)), strict=True)])
 
     def volume(self, angle: Any, rows: Array | slice = slice(None)) -> Array:
         """What vanishes where the lines meet: sine times distance, in units of the size; at φ, for some rows."""
@@ -279,64 +284,126 @@ class _Lines:
         numbers = [joint.pick(rows).half_turn_number(angle) for joint in self.weight]  # type: ignore[arg-type]
         return np.asarray(np.prod([z.real**2 + z.imag**2 for z in numbers], axis=0))
 
-    def collisions(self, rtol: float) -> Found:
-        """Where the pieces themselves meet."""
-        rows, angle, odd = self._roots()
-        angle = self._nearest(rows, angle, rtol)
+    def meetings(self, rtol: float) -> _Meetings:
+        """Where the pieces themselves meet.
+
+        Roots that may be one are tried as one first, at their mean; if the pieces do not meet there, as fewer ones.
+        """
+        away, coefficients, start = self._roots()
+        untried, found = np.isfinite(away), []
+        for apart in APART:
+            groups = _groups(away, untried, apart)
+            rows, sides = groups.rows, start[groups.rows] + groups.sides
+            angle = start[rows] + groups.away - self._step(groups, coefficients[rows], start[rows])
+            alone = (groups.number == 1) | (apart == 0)
+            angle = self._nearest(rows, angle, sides, alone, rtol)
+            met = distance(*self._ends(rows, angle))[0] <= rtol * self.bars.size[rows]
+            found.append(self._judged(rows[met], angle[met], sides[:, met], rtol))
+            untried &= ~groups.members(met | alone, away.shape)
+            if not untried.any():
+                break
+        return _Meetings(*map(np.concatenate, zip(*found, strict=True)))
+
+    def _judged(self, rows: Array, angle: Array, sides: Array, rtol: float) -> _Meetings:
+        """Meetings at given angles, and whether one piece goes through the other.
+
+        It does if they meet at an inner point of both, across, and the volume has another sign before than behind.
+        """
         bars, ends = self.bars.pick(rows), self._ends(rows, angle)
-        gap, s, r = distance(*ends)
-        near = gap <= rtol * bars.size
+        gap, s, _ = distance(*ends)
         u, v = ends[1] - ends[0], ends[3] - ends[2]
         lengths = np.sqrt(dot(u, u)), np.sqrt(dot(v, v))
-        inside = [np.minimum(x, 1 - x) * length > rtol * bars.size for x, length in zip((s, r), lengths, strict=True)]
-        across = np.sqrt(dot(cross(u, v), cross(u, v))) > ONE_ROOT**2 * lengths[0] * lengths[1]
-        point = np.where(across, ends[0] + s * u, _middle_of_overlap(*ends))
+        across = np.sqrt(dot(cross(u, v), cross(u, v))) > PARALLEL * lengths[0] * lengths[1]
+        end, beside = _nearest_end(*ends)
+        inner = beside > rtol * bars.size
+        point = np.where(across, np.where(inner, ends[0] + s * u, end), _middle_of_overlap(*ends))
+        before, behind = (self.volume(side, rows) for side in sides)
+        changes = (before * behind < 0) & (np.minimum(np.abs(before), np.abs(behind)) > ROUNDED)
         point = bars.outward(self.pair.held, point, angle)
-        links = np.broadcast_to(sorted(self.pair[:2]), (len(rows), 2))
-        found = Found(rows, angle, links, point.T, odd & across & inside[0] & inside[1])
-        return Found(*(column[near] for column in found))
+        return _Meetings(rows, angle, point.T, across & inner & changes, gap)
 
     def _ends(self, rows: Array, angle: Array) -> tuple[Array, Array, Array, Array]:
         """The ends of the two pieces at φ."""
         second = self.bars.pick(rows).moved(self.pair, self.second[..., rows], angle)
         return self.first[:, 0, rows], self.first[:, 1, rows], second[:, 0], second[:, 1]
 
-    def _nearest(self, rows: Array, angle: Array, rtol: float) -> Array:
-        """The angles, improved where the pieces nearly meet: next to fast turns rounding moves the roots."""
+    def _nearest(self, rows: Array, angle: Array, sides: Array, which: Array, rtol: float) -> Array:
+        """The angles, some improved where the pieces nearly meet: next to fast turns rounding moves the roots."""
         gap = distance(*self._ends(rows, angle))[0] / self.bars.size[rows]
-        poor = (gap > rtol / 10) & (gap < NEARLY)
+        poor = which & (gap > rtol / 10) & (gap < NEARLY)
         if poor.any():
-            some, start = rows[poor], angle[poor]
+            some = rows[poor]
             angle = angle.copy()
-            angle[poor] = narrowed(lambda x: distance(*self._ends(some, x))[0], start - NEARLY, start + NEARLY)[0]
-        return np.where(np.abs(np.sin(angle)) < AT_INFINITY, 0.0, angle % np.pi)
+            angle[poor] = narrowed(lambda x: distance(*self._ends(some, x))[0], *sides[:, poor])[0]
+        return angle
 
     def _roots(self) -> tuple[Array, Array, Array]:
-        """The roots φ, each once: row, angle, and whether the polynomial changes sign there."""
-        turned = _turned_charts(self.degree)
+        """The real roots, how far they are away from the beginning of a chart, ascending, ∞ behind them; the polynomial
+        in this chart, and its beginning."""
+        turned = turned_charts(self.degree)
         best = np.abs(np.einsum("js,sr->jr", turned[:, 0], self.values)).argmax(axis=0)
         coefficients = np.einsum("rds,sr->rd", turned[best], self.values)
-        roots = _roots_of(np.where(self.always_meet[:, None], np.eye(self.degree + 1)[0], coefficients))
-        real = np.abs(roots.imag) <= ONE_ROOT * (1 + np.abs(roots) ** 2) if self.degree else roots.real > 0
+        roots = roots_of(np.where(self.always_meet[:, None], np.eye(self.degree + 1)[0], coefficients))
+        real = np.abs(roots.imag) <= APART[0] * (1 + np.abs(roots) ** 2) if self.degree else roots.real > 0
         real &= ~self.always_meet[:, None]
         away = np.sort(np.where(real, np.arctan2(1.0, roots.real), np.inf), axis=-1)
-        away, count, keep = _clusters(away)
-        rows, column = np.nonzero(keep)
-        away, count = away[rows, column], count[rows, column]
-        angle = self._polished(rows, away, count, coefficients[rows], np.pi * best[rows] / len(turned))
-        return rows, angle, count % 2 == 1
+        return away, coefficients, np.pi * best / len(turned)
 
-    def _polished(self, rows: Array, away: Array, count: Array, coefficients: Array, start: Array) -> Array:
-        """The angle φ of simple roots after one step of Newton's method, with the volume itself as the value."""
-        tau, sine = 1 / np.tan(away), np.sin(away)
+    def _step(self, groups: _Groups, coefficients: Array, start: Array) -> Array:
+        """One step of Newton's method for simple roots, with the volume itself as the value."""
+        tau, sine = 1 / np.tan(groups.away), np.sin(groups.away)
         slope = 0.0 * tau
         value = 0.0 * tau
         for c in coefficients.T:
             value, slope = value * tau + c, slope * tau + value
-        angle = start + away
-        slope = -slope * sine ** (self.degree - 2) / self.norm(angle, rows)
-        step = self.volume(angle, rows) / np.where(slope == 0, np.inf, slope)
-        return (angle - np.where((count == 1) & (np.abs(step) < ONE_ROOT), step, 0.0)) % np.pi
+        angle = start + groups.away
+        slope = -slope * sine ** (self.degree - 2) / self.norm(angle, groups.rows)
+        step = self.volume(angle, groups.rows) / np.where(slope == 0, np.inf, slope)
+        return np.where((groups.number == 1) & (np.abs(step) < APART[0]), step, 0.0)
+
+
+class _Groups(NamedTuple):
+    """Roots that may be one: the row, the first of them and their number, their mean, and the angles before and behind
+    them, half the way to the next roots or so."""
+
+    rows: Array
+    first: Array
+    number: Array
+    away: Array
+    sides: Array
+
+    def members(self, which: Array, shape: tuple[int, int]) -> Array:
+        """Where the roots of some groups are in the table of all."""
+        table, columns = np.zeros(shape, dtype=bool), np.arange(shape[1])
+        first, behind = (x[which, None] for x in (self.first, self.first + self.number))
+        group, column = np.nonzero((columns >= first) & (columns < behind))
+        table[self.rows[which][group], column] = True
+        return table
+
+
+def _groups(away: Array, untried: Array, apart: float) -> _Groups:
+    """Groups of untried roots, ascending, between which it is farther than the given angle."""
+    mean, count, new = _clusters(away, apart)
+    rows, first = np.nonzero(new & untried)
+    count, mean = count[rows, first], mean[rows, first]
+    low, high = away[rows, first], away[rows, first + count - 1]
+    framed = np.pad(away, ((0, 0), (1, 1)), constant_values=((0, 0), (-np.inf, np.inf)))
+    before, behind = framed[rows, first], framed[rows, first + count + 1]
+    sides = [np.maximum((before + low) / 2, low - NEARLY), np.minimum((behind + high) / 2, high + NEARLY)]
+    return _Groups(rows, first, count, mean, np.stack(sides))
+
+
+class _Meetings(NamedTuple):
+    """Where pieces of two bars meet: rows, angles φ, points, whether they cross, and what is left between them."""
+
+    rows: Array
+    angle: Array
+    point: Array
+    crossing: Array
+    gap: Array
+
+    def pick(self, where: Array) -> _Meetings:
+        return _Meetings(*(column[where] for column in self))
 
 
 def _with_direction(piece: Array, size: Array) -> Array:
@@ -344,6 +411,14 @@ def _with_direction(piece: Array, size: Array) -> Array:
     u = piece[:, 1] - piece[:, 0]
     point = np.sqrt(dot(u, u)) <= 1e-12 * size
     return np.stack([piece[:, 0], np.where(point, piece[:, 0] + SOMEWHERE[:, None] * size, piece[:, 1])], axis=1)
+
+
+def _nearest_end(a: Array, b: Array, c: Array, d: Array) -> tuple[Array, Array]:
+    """The end of one of two segments that is nearest to the other segment, and how near."""
+    ends = [(a, c, d), (b, c, d), (c, a, b), (d, a, b)]
+    gaps = np.stack([distance(end, end, *other)[0] for end, *other in ends])
+    which = gaps.argmin(axis=0)
+    return np.choose(which, [end for end, *_ in ends]), gaps.min(axis=0)
 
 
 def _middle_of_overlap(a: Array, b: Array, c: Array, d: Array) -> Array:
@@ -356,56 +431,51 @@ def _middle_of_overlap(a: Array, b: Array, c: Array, d: Array) -> Array:
     return np.asarray(base + (np.maximum(low, 0.0) + np.minimum(high, 1.0)) / 2 * direction)
 
 
-def _samples(degree: int) -> Array:
-    return np.pi * (np.arange(degree + 1) + 0.5) / (degree + 1)
-
-
-@lru_cache
-def _turned_charts(degree: int) -> Array:
-    """Matrices from values at the samples to coefficients in τ = cot(φ − φ_j), for angles φ_j = πj/(2 degree + 2).
-
-    Some φ_j is far from all roots, so that none is far away in its τ.
-    """
-    start = np.pi * np.arange(2 * degree + 2) / (2 * degree + 2)
-    away = _samples(degree) - start[:, None]
-    powers = np.arange(degree + 1)
-    values = np.cos(away[..., None]) ** (degree - powers) * np.sin(away[..., None]) ** powers
-    return np.linalg.inv(values)
-
-
-def _roots_of(polynomials: Array) -> Array:
-    """All roots of real polynomials, shape (rows, degree + 1), as the eigenvalues of their companion matrices."""
-    degree = polynomials.shape[-1] - 1
-    companion = np.zeros((len(polynomials), degree, degree))
-    companion[:, 0] = -polynomials[:, 1:] / polynomials[:, :1]
-    companion[:, np.arange(1, degree), np.arange(degree - 1)] = 1
-    return np.linalg.eigvals(companion) + 0j
-
-
-def _clusters(angles: Array) -> tuple[Array, Array, Array]:
-    """Ascending angles with those that are one put together: their mean, their number, and where they stand.
+def _clusters(angles: Array, apart: float) -> tuple[Array, Array, Array]:
+    """Ascending angles with those that may be one put together: their mean, their number, and where they begin.
 
     The mean of what rounding makes of a double root is exact up to rounding itself.
     """
     real = np.isfinite(angles)
-    angles = np.where(real, angles, 4.0)
-    new = np.diff(angles, axis=-1, prepend=-1.0) > ONE_ROOT
+    angles = np.where(real, angles, 8.0 + np.arange(angles.shape[-1]))
+    new = np.diff(angles, axis=-1, prepend=-1.0) > apart
     number = np.cumsum(new, axis=-1)
     together = (number[:, :, None] == number[:, None, :]) * 1.0
     count = together.sum(axis=-1)
     return (together @ angles[..., None])[..., 0] / count, count.astype(int), new & real
 
 
-def _without_doubles(found: Sequence[Found], bars: MovingBars, pair: Pair) -> Found:
-    """The collisions of two links, one for each parameter; parameters t instead of angles."""
-    hits = Found(*map(np.concatenate, zip(*found, strict=True)))
-    order = np.lexsort((hits.t, hits.rows))
-    hits = Found(*(column[order] for column in hits))
-    first = (np.diff(hits.rows, prepend=-1) > 0) | (np.diff(hits.t, prepend=-1.0) > ONE_ROOT / 100)
-    crossing = np.zeros(np.count_nonzero(first), dtype=bool)
-    np.logical_or.at(crossing, np.cumsum(first) - 1, hits.crossing)
-    hits = Found(*(column[first] for column in hits))._replace(crossing=crossing)
-    return hits._replace(t=bars.pick(hits.rows).parameter(hits.t))
+def _each_once(found: Sequence[_Meetings], bars: MovingBars, pair: Pair, rtol: float) -> Found:
+    """The collisions of two links: meetings between which the bars do not part are one.
+
+    It is a crossing if the same pieces go through each other an odd number of times.
+    """
+    hits = _Meetings(*map(np.concatenate, zip(*found, strict=True)))
+    piece = np.repeat(np.arange(len(found)), [len(part.rows) for part in found])
+    angle = hits.angle % np.pi
+    hits = hits._replace(angle=np.where(angle > np.pi - NEARLY, angle - np.pi, angle))
+    order = np.lexsort((hits.angle, hits.rows))
+    hits, piece = hits.pick(order), piece[order]
+    number = np.cumsum(~_do_not_part(hits, bars, pair, rtol)) - 1
+    count = number[-1] + 1 if len(number) else 0
+    crossings = np.zeros((count, len(found)), dtype=int)
+    np.add.at(crossings, (number, piece), hits.crossing)
+    order = np.lexsort((hits.gap, number))
+    best = hits.pick(order[np.unique(number, return_index=True)[1]])
+    links = np.broadcast_to(sorted(pair[:2]), (count, 2))
+    t = bars.pick(best.rows).parameter(best.angle)
+    return Found(best.rows, t, links, best.point, (crossings % 2 == 1).any(axis=-1))
+
+
+def _do_not_part(hits: _Meetings, bars: MovingBars, pair: Pair, rtol: float) -> Array:
+    """Whether the bars stay together between each meeting and the one before it."""
+    together = (np.diff(hits.rows, prepend=-1) == 0) & (np.diff(hits.angle, prepend=-np.inf) < NEARLY)
+    later = np.flatnonzero(together)
+    if len(later):
+        some = bars.pick(hits.rows[later])
+        between = (hits.angle[later] + hits.angle[later - 1]) / 2
+        together[later] = some.distance(pair, between) <= rtol * some.size
+    return together
 
 
 # ---- clearance ---------------------------------------------------------------------------------------
@@ -484,20 +554,3 @@ class _Search:
     def _narrowed(self, pair: Pair, rows: Array) -> Array:
         bars, half = self.bars.pick(rows), 2 * self.half[rows]
         return narrowed(lambda angle: bars.distance(pair, angle), self.where[rows] - half, self.where[rows] + half)[1]
-
-
-GOLDEN = (math.sqrt(5) - 1) / 2
-
-
-def narrowed(function: Callable[[Array], Array], low: Array, high: Array, steps: int = 40) -> tuple[Array, Array]:
-    """Where a function with one dip between low and high is least, and its value, by golden sections."""
-    a, b = high - GOLDEN * (high - low), low + GOLDEN * (high - low)
-    at_a, at_b = function(a), function(b)
-    for _ in range(steps):
-        left = at_a < at_b
-        low, high = np.where(left, low, a), np.where(left, b, high)
-        new = np.where(left, high - GOLDEN * (high - low), low + GOLDEN * (high - low))
-        value = function(new)
-        a, b = np.where(left, new, b), np.where(left, a, new)
-        at_a, at_b = np.where(left, value, at_b), np.where(left, at_a, value)
-    return np.where(at_a < at_b, a, b), np.minimum(at_a, at_b)

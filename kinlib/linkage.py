@@ -658,8 +658,9 @@ is turned by 0.42 rad and shifted by 1.7 against it; nearest_pose() gives this t
             The m points of each link's bar at home, m = 2 for straight ones: the first and the last on the axes that
             the link joins, link 0 first, as :meth:`bars` gives them.  By default those, exact for an exact linkage.
         rtol : float
-            In floats, bars that come nearer than this, in units of their size, count as meeting; and roots that are
-            within 10⁻⁴ of a turn count as one.
+            In floats, bars that come nearer than this, in units of their size, count as meeting, and meetings between
+            which they do not part farther as one.  At each t that is returned they are as near as that; they cross if
+            no end of one is as near to the other, and the sides change.
         degenerate : {"raise", "nan"}
             What to do about bars that always lie in one plane, as those of a planar linkage do.
 

@@ -177,7 +177,7 @@ class MotionPolynomial:
         ----------
         t : scalar or array_like
             Broadcasts against the batch; ``math.inf`` gives the leading coefficient, and a float t whose powers
-            are too large for floats gives C(t)/tⁿ, which is the same pose.
+            are too large to be computed with gives C(t)/tⁿ, which is the same pose.
         """
         if self._factors is not None:
             return self._product_at(t, *self._factors)
@@ -412,9 +412,13 @@ def evaluate(coefficients: Sequence[Coefficient], t: ScalarLike | ArrayLike) -> 
     return coefficients[0] if infinite else _horner(coefficients, t)
 
 
+HUGE = 1e120
+"""What is larger than this is not left to be squared."""
+
+
 def _too_large(degree: int) -> float:
-    """From where on powers of t are too large for floats."""
-    return 1e300 ** (1 / max(degree, 1))
+    """From where on powers of t are too large: products of three linear factors can still be squared."""
+    return HUGE ** (1 / max(degree, 3))
 
 
 def _horner(coefficients: Sequence[Coefficient], t: Any) -> Coefficient:
@@ -439,9 +443,10 @@ def _evaluate(columns: np.ndarray, t: np.ndarray) -> np.ndarray:
     with np.errstate(over="ignore", invalid="ignore"):
         for n in range(count - 3, -1, -1):
             np.multiply(powers[n + 1], flat, out=powers[n])
-        total = np.add.reduce(powers[0])
-    if t.dtype.kind in "fc" and not np.isfinite(total):
-        large = ~np.isfinite(powers[0])
+        largest = np.vdot(flat, flat).real if t.dtype.kind in "fc" else 0.0
+    bound = _too_large(count - 1)
+    if not largest <= bound**2:
+        large = np.abs(flat) > bound
         for n in range(count):
             powers[n, large] = (1 / flat[large]) ** n
     return (columns @ powers).reshape(8, *t.shape)

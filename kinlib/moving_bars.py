@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
@@ -9,6 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from kinlib.circle import middle_of_turns
 from kinlib.displacement import axis_of
 from kinlib.dual_quaternion import DualQuaternion
 from kinlib.rows import broadcast
@@ -127,12 +129,11 @@ class MovingBars:
     def of(cls, factors: Sequence[DualQuaternion], joints: Sequence[int], bars: Array) -> MovingBars:
         """Of the factors of a loop, of its numbers of factors, and bars of shape (..., n, m, 3), all with one batch."""
         shape = bars.shape[:-3]
-        components = [broadcast(f, shape).astype(float).components.reshape(8, -1) for f in factors]
-        real = np.stack([f[0] for f in components])
-        middle = real.mean(axis=0)
-        sizes = [(f[0] - middle) ** 2 + (f[1:4] ** 2).sum(axis=0) for f in components]
-        spread = np.sqrt(np.max(sizes, axis=0))
-        points = np.moveaxis(bars.reshape(-1, *bars.shape[-3:]), (1, 3, 2), (0, 1, 2))
+        rows = math.prod(shape)
+        components = [broadcast(f, shape).astype(float).components.reshape(8, rows) for f in factors]
+        turning = [np.sqrt((f[1:4] ** 2).sum(axis=0)) for f in components]
+        middle, spread = middle_of_turns(np.stack([f[0] for f in components]), np.stack(turning))
+        points = np.moveaxis(bars.reshape(rows, *bars.shape[-3:]), (1, 3, 2), (0, 1, 2))
         centre = points.mean(axis=(0, 2))
         points = points - centre[:, None]
         starts = np.cumsum([0, *joints])
@@ -155,8 +156,8 @@ class MovingBars:
     @property
     def defined(self) -> Array:
         """Which rows have no NaN."""
-        numbers = [part for joint in self.joints for part in joint]
-        return np.isfinite(np.concatenate([*numbers, self.bars.reshape(-1, len(self.size))])).all(axis=0)
+        numbers = np.concatenate([part for joint in self.joints for part in joint])
+        return np.asarray(np.isfinite(numbers).all(axis=0) & np.isfinite(self.bars).all(axis=(0, 1, 2)))
 
     def moved(self, pair: Pair, points: Array, angle: Array) -> Array:
         """Points of the moving link at home, shape (3, m, rows), as they are at φ for the held link."""

@@ -9,13 +9,13 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from kinlib.chain import plain
-from kinlib.collision import narrowed
+from kinlib.circle import narrowed, roots_of, samples, turned_charts
 from kinlib.displacement import act
 from kinlib.drive import exact_real_roots
-from kinlib.dual_quaternion import DualQuaternion, one
+from kinlib.dual_quaternion import DualQuaternion, null_form, one
 from kinlib.errors import DegenerateError, check_degenerate, named_rows, rows_where
 from kinlib.loop import Loop
-from kinlib.motion_polynomial import MotionPolynomial, evaluate
+from kinlib.motion_polynomial import MotionPolynomial
 from kinlib.rows import broadcast
 from kinlib.scalar import ROUNDING, as_float, divide, is_exact, is_zero
 from kinlib.typing import Array, Degenerate
@@ -25,9 +25,8 @@ __all__ = ["NearestPose", "nearest_pose", "parameters_of_pose"]
 SAMPLES = 24
 """At how many angles of each joint a motion is looked at first."""
 
-STEPS = 80
-"""So many golden sections reach the last digit where the pose is reached."""
-
+AT_INFINITY = 1e-14
+"""Half a phase within which a parameter counts as infinite."""
 
 ONE = 1e-6
 """Parameters whose phases are nearer than this are one."""
@@ -67,22 +66,49 @@ class _Problem(NamedTuple):
         factors, rest = [f[rows] for f in self.factors], (self.size[rows], self.middle[rows], self.spread[rows])
         return _Problem(factors, self.home[rows], self.pose[rows], *rest)
 
-    def gap(self, t: Array) -> tuple[Array, Array]:
-        """The sine of half the angle and the shift at t, shape (..., rows)."""
-        q = reduce(lambda x, f: x * evaluate((one, -f), t), self.factors, one.astype(float)) * self.home
-        p, wanted = (_direction(x.coeffs[..., :4]) for x in (q, self.pose))
-        across = p - (p * wanted).sum(axis=-1, keepdims=True) * wanted
-        shift = act(q, [0.0, 0.0, 0.0]) - act(self.pose, [0.0, 0.0, 0.0])
-        return np.linalg.norm(across, axis=-1), np.linalg.norm(shift, axis=-1)
+    def at(self, phase: Array) -> tuple[DualQuaternion, DualQuaternion]:
+        """A multiple of the link's pose at phases, shape (..., rows), and its derivative."""
+        sine, cosine = np.sin(phase / 2), np.cos(phase / 2)
+        weight, turn = self.middle * sine - self.spread * cosine, (self.middle * cosine + self.spread * sine) / 2
+        pose, change = one.astype(float), one.astype(float) * 0.0
+        for f in self.factors:
+            value, slope = weight - f * sine, turn - f * (cosine / 2)
+            pose, change = pose * value, change * value + pose * slope
+        return pose * self.home, change * self.home
 
-    def square(self, t: Array) -> Array:
+    def gap(self, phase: Array) -> tuple[Array, Array]:
+        """The sine of half the angle and the shift at phases."""
+        q, _ = self.at(phase)
+        return np.linalg.norm(self._across(q), axis=-1), np.linalg.norm(self._shift(q), axis=-1)
+
+    def _across(self, q: DualQuaternion) -> Array:
+        p, wanted = (_direction(x.coeffs[..., :4]) for x in (q, self.pose))
+        return np.asarray(p - (p * wanted).sum(axis=-1, keepdims=True) * wanted)
+
+    def _shift(self, q: DualQuaternion) -> Array:
+        return np.asarray(act(q, [0.0, 0.0, 0.0]) - act(self.pose, [0.0, 0.0, 0.0]))
+
+    def square(self, phase: Array) -> Array:
         """D², see :class:`NearestPose`; the square of ‖R − R'‖ is 8 sin² of half the angle."""
-        sine, shift = self.gap(t)
+        sine, shift = self.gap(phase)
         return np.asarray(shift**2 + 8 / 3 * (self.size * sine) ** 2)
 
+    def slope(self, phase: Array) -> Array:
+        """Half the derivative of D² by the phase."""
+        q, change = self.at(phase)
+        p, turn = q.coeffs[..., :4], change.coeffs[..., :4]
+        length = (p * p).sum(axis=-1, keepdims=True)
+        grows = (p * turn).sum(axis=-1, keepdims=True) / length
+        turning = (turn - grows * p) / np.sqrt(length)
+        rate = (change * q.eps_conjugate().conjugate() + q * change.eps_conjugate().conjugate()).coeffs[..., 5:]
+        moving = rate / length - 2 * grows * act(q, [0.0, 0.0, 0.0])
+        away = (self._shift(q) * moving).sum(axis=-1)
+        return np.asarray(away + 8 / 3 * self.size**2 * (self._across(q) * turning).sum(axis=-1))
+
     def t_at(self, phase: Array) -> Array:
-        with np.errstate(divide="ignore"):
-            return np.asarray(np.where(phase == 0, np.inf, self.middle - self.spread / np.tan(phase / 2)))
+        """The parameters of phases; ∞ where rounding could have moved it."""
+        far = np.abs(np.sin(phase / 2)) < AT_INFINITY
+        return np.where(far, np.inf, self.middle - self.spread / np.where(far, 1.0, np.tan(phase / 2)))
 
 
 def _direction(p: Array) -> Array:
@@ -92,15 +118,15 @@ def _direction(p: Array) -> Array:
 def nearest_pose(loop: Loop, coupler: int, pose: DualQuaternion) -> NearestPose:
     """Where a link comes nearest to a pose."""
     problem, shape, defined = _flat(loop, coupler, pose)
-    rows, t = _dips(problem)
-    square = problem.pick(rows).square(t)
+    rows, phase = _dips(problem)
+    square = problem.pick(rows).square(phase)
     best = np.full(defined.shape, np.nan)
     for n in range(len(best)):
         mine = np.flatnonzero(rows == n)
         if len(mine) and defined[n]:
-            best[n] = t[mine[np.argmin(square[mine])]]
+            best[n] = phase[mine[np.argmin(square[mine])]]
     sine, shift = problem.gap(best)
-    answer = (best, 2 * np.arcsin(np.minimum(sine, 1)), np.where(defined, shift, np.nan))
+    answer = (problem.t_at(best), 2 * np.arcsin(np.minimum(sine, 1)), np.where(defined, shift, np.nan))
     return NearestPose(*(plain(part.reshape(shape)) for part in answer))
 
 
@@ -113,7 +139,9 @@ def parameters_of_pose(
     exact = all(is_exact(q.components) for q in (pose, *motion.coefficients))
     found = _exact_rows(motion, pose, shape) if exact else _float_rows(loop, coupler, pose, rtol)
     undefined = [np.isnan(as_float(x.coeffs)).any(axis=-1) for x in (pose, *motion.coefficients)] if not exact else []
-    missed = np.array([not len(row) for row in found]).reshape(shape) & ~reduce(np.logical_or, undefined, False)
+    missed = np.array([not len(row) for row in found], dtype=bool).reshape(shape) & ~reduce(
+        np.logical_or, undefined, False
+    )
     if degenerate == "raise" and missed.any():
         raise _not_reached(missed, nearest_pose(loop, coupler, pose))
     count = max((len(row) for row in found), default=0) or 1
@@ -195,10 +223,10 @@ def _flat(loop: Loop, coupler: int, pose: DualQuaternion) -> tuple[_Problem, tup
 
 
 def _dips(problem: _Problem) -> tuple[Array, Array]:
-    """All local minima of the distance: the numbers of their rows, and t."""
+    """All local minima of the distance: the numbers of their rows, and phases."""
     with np.errstate(invalid="ignore"):
-        phases = np.sort(np.stack(_first_looks(problem)), axis=0)
-        square = problem.square(problem.t_at(phases))
+        phases = np.sort(np.concatenate([_first_looks(problem), _level_places(problem)]), axis=0)
+        square = problem.square(phases)
         dips = (square <= np.roll(square, 1, axis=0)) & (square < np.roll(square, -1, axis=0))
     where, rows = np.nonzero(dips)
     count = len(phases)
@@ -206,32 +234,67 @@ def _dips(problem: _Problem) -> tuple[Array, Array]:
     low = np.where(where == 0, before - 2 * np.pi, before)
     high = np.where(where == count - 1, after + 2 * np.pi, after)
     seen = problem.pick(rows)
-    phase, _ = narrowed(lambda x: seen.square(seen.t_at(x)), low, high, STEPS)
-    return rows, np.where(np.abs(np.sin(phase / 2)) < 1e-15, np.inf, seen.t_at(phase))
+    phase, _ = narrowed(seen.square, low, high)
+    return rows, _levelled(seen, phase, (high - low) / 1e4)
 
 
-def _first_looks(problem: _Problem) -> list[Array]:
+def _levelled(problem: _Problem, phase: Array, step: Array) -> Array:
+    """The places of minima, by Newton's method for the slope: values near a minimum say only half of its digits."""
+    for _ in range(3):
+        curvature = (problem.slope(phase + step) - problem.slope(phase - step)) / (2 * step)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            change = problem.slope(phase) / curvature
+        phase = phase - np.where((np.abs(change) < step) & (curvature > 0), change, 0.0)
+    return phase
+
+
+def _first_looks(problem: _Problem) -> Array:
     """Phases at which each joint has turned by many angles; no joint is too fast for them."""
     halves = np.pi * np.arange(1, SAMPLES) / SAMPLES
     looks = [np.zeros(problem.size.shape)]
     for f in problem.factors:
         x, y = f.components[0], np.sqrt((f.components[1:4] ** 2).sum(axis=0))
         looks += [2 * np.arctan2(problem.spread, problem.middle - x + y / np.tan(half)) for half in halves]
-    return looks
+    return np.stack(looks)
+
+
+def _level_places(problem: _Problem) -> Array:
+    """Phases among which all are where the slope vanishes: between two of them there is at most one dip.
+
+    With n factors D² is a quotient of polynomials of degree 2n, and its slope one over the square of the lower one.
+    """
+    degree = 4 * len(problem.factors)
+    phases = 2 * samples(degree)
+    values = np.stack([problem.slope(phase) * _weight(problem, phase) for phase in phases])
+    values = np.where(np.isfinite(values), values, 0.0)
+    charts = turned_charts(degree)
+    best = np.abs(np.einsum("js,sr->jr", charts[:, 0], values)).argmax(axis=0)
+    coefficients = np.einsum("rds,sr->rd", charts[best], values)
+    coefficients[coefficients[:, 0] == 0] = np.eye(degree + 1)[0]
+    roots = roots_of(coefficients)
+    away = np.arctan2(1.0, roots.real) + np.pi * best[:, None] / len(charts)
+    away = away + np.where(roots.imag < 0, np.pi / 2, 0.0)  # of a pair one is enough
+    return np.asarray(np.remainder(2 * away, 2 * np.pi).T)
+
+
+def _weight(problem: _Problem, phase: Array) -> Array:
+    """What makes the slope a polynomial: the square of the norm of the motion."""
+    q, _ = problem.at(phase)
+    norm = null_form(q, q) / problem.spread ** (2 * len(problem.factors))
+    return np.asarray(norm**2)
 
 
 def _float_rows(loop: Loop, coupler: int, pose: DualQuaternion, rtol: float) -> list[Array]:
     problem, _, defined = _flat(loop, coupler, pose)
-    rows, t = _dips(problem)
+    rows, phase = _dips(problem)
     far = np.linalg.norm(act(problem.pose, [0.0, 0.0, 0.0]), axis=-1)
     allowed = rtol * (problem.size + far) + ROUNDING * far
-    square = problem.pick(rows).square(t)
+    seen = problem.pick(rows)
+    square, t = seen.square(phase), seen.t_at(phase)
     reached = np.sqrt(square) <= allowed[rows]
-    rows, t, square = rows[reached], t[reached], square[reached]
-    phase = 2 * np.arctan2(problem.spread[rows], problem.middle[rows] - t)
     found = []
     for n in range(len(defined)):
-        mine = np.flatnonzero(rows == n)
+        mine = np.flatnonzero((rows == n) & reached)
         kept: list[int] = []
         for m in mine[np.argsort(square[mine])]:
             if all(abs(np.sin((phase[m] - phase[other]) / 2)) > ONE for other in kept):

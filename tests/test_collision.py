@@ -114,6 +114,28 @@ def test_floats_find_what_exact_numbers_find(number):
     np.testing.assert_allclose(floats.point, exact.point.astype(float), atol=1e-9)
 
 
+@pytest.mark.parametrize(
+    "z",
+    [
+        (-8, Fraction(-2, 3)),
+        (Fraction(4, 5), Fraction(3, 10000)),
+        (3, Fraction(1, 2000)),
+        (8000, 401),
+        (Fraction(5000, 3), -1999),
+    ],
+    ids=str,
+)
+@pytest.mark.parametrize("number", [0, 1])
+def test_where_joints_turn_fast_floats_find_what_exact_numbers_find(z, number):
+    """Meetings lie near each other, next to roots where nothing meets, and the lines are nearly parallel there."""
+    linkage = goldberg_linkages(*THREE_POSES, z)[3 * number]
+    exact, floats = linkage.collisions(), linkage.astype(float).collisions()
+    assert floats.links.tolist() == exact.links.tolist()
+    assert floats.crossing.tolist() == exact.crossing.tolist()
+    np.testing.assert_allclose(floats.t, exact.t.astype(float), rtol=1e-6, atol=1e-8)
+    np.testing.assert_allclose(floats.point, exact.point.astype(float), atol=1e-7)
+
+
 def test_the_point_at_infinity_is_no_exception():
     hits = bennett_linkage(*THREE_POSES).collisions()
     assert hits.t.tolist() == [0, math.inf]

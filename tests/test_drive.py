@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from fractions import Fraction
 
+import mpmath
 import numpy as np
 import pytest
 import sympy
@@ -297,3 +298,95 @@ def test_nan_rows_stay_nan_rows():
         assert np.isnan(values).tolist() == [False, True, False]
     assert np.isnan(lost.turns()).any(axis=-1).tolist() == [False, True, False]
     assert np.isnan(lost.joint_ranges()).any(axis=(-1, -2)).tolist() == [False, True, False]
+
+
+def test_the_nearest_place_may_be_home_itself():
+    """Values next to a minimum say half of its digits only: t = ∞ would come out as −3·10⁸."""
+    for linkage in (bennett_linkage(*THREE_POSES), *goldberg_linkages(*THREE_POSES, (1, 2))[:2]):
+        nearest = linkage.nearest_pose(1 + Fraction(3, 10) * eps * i)
+        assert nearest.t == math.inf
+        assert nearest.shift == pytest.approx(0.6)
+        assert nearest.angle == pytest.approx(0, abs=1e-12)
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_the_nearest_pose_is_level_to_the_last_digits(seed):
+    """The distance is as great on both sides, and its derivative vanishes, by mpmath."""
+    linkage, (pose,) = LINKAGES[seed], random_poses(1, seed=seed + 40)
+    t = linkage.nearest_pose(pose).t
+    size = mpmath.mpf(float(linkage.chain.lines.length))
+    with mpmath.workdps(40):
+        C = [[mpmath.mpf(float(x)) for x in c.coeffs] for c in linkage.coupler_motion.coefficients]
+        wanted = [mpmath.mpf(float(x)) for x in as_matrix(pose).ravel()]
+
+        def square(t):
+            q = [mpmath.polyval([c[n] for c in C], t) for n in range(8)]
+            matrix = as_matrix_of(q)
+            turned = sum((matrix[r][c] - wanted[4 * r + c]) ** 2 for r in range(3) for c in range(3))
+            return sum((matrix[r][3] - wanted[4 * r + 3]) ** 2 for r in range(3)) + size**2 / 3 * turned
+
+        first, second = mpmath.diff(square, t), mpmath.diff(square, t, 2)
+        assert second > 0
+        assert abs(first / second) < 1e-12 * (1 + t * t)
+
+
+def as_matrix_of(q):
+    """The first three rows of the matrix of a pose, by the usual formulas for quaternions."""
+    w, x, y, z, d0, d1, d2, d3 = q
+    n = w * w + x * x + y * y + z * z
+    return [
+        [
+            (w * w + x * x - y * y - z * z) / n,
+            2 * (x * y - w * z) / n,
+            2 * (x * z + w * y) / n,
+            2 * (-d0 * x + d1 * w - d2 * z + d3 * y) / n,
+        ],
+        [
+            2 * (x * y + w * z) / n,
+            (w * w - x * x + y * y - z * z) / n,
+            2 * (y * z - w * x) / n,
+            2 * (-d0 * y + d1 * z + d2 * w - d3 * x) / n,
+        ],
+        [
+            2 * (x * z - w * y) / n,
+            2 * (y * z + w * x) / n,
+            (w * w - x * x - y * y + z * z) / n,
+            2 * (-d0 * z - d1 * y + d2 * x + d3 * w) / n,
+        ],
+    ]
+
+
+@pytest.mark.parametrize("apart", [1e-1, 1e-2, 1e-4])
+def test_a_pose_on_both_sides_of_a_dead_point_has_two_parameters(apart):
+    """However near they are: the link behind the joint that swings passes the same pose twice."""
+    assert SWINGING.joints[0] == 2
+    linkage = Linkage(SWINGING.factors, SWINGING.joints, 1)
+    dead = linkage.dead_points(0)[0]
+    pose = linkage.coupler_motion(dead + apart)
+    found = linkage.parameters_of_pose(pose)
+    assert found.shape == (2,)
+    assert np.abs(found - (dead + apart)).min() < 1e-8
+    assert np.allclose(
+        linkage.joint_angles(found)[:, 0] % (2 * np.pi), linkage.joint_angles(dead + apart)[0] % (2 * np.pi)
+    )
+
+
+def test_batches_of_no_linkage_have_no_answers():
+    none = goldberg_linkages(*random_poses(3, seed=9, shape=(0,)), 0.4 + 0.7j)[0]
+    assert none.parameters_of_pose(1.0 * i).shape == (0, 1)
+    assert none.nearest_pose(1.0 * i).t.shape == (0,)
+    assert none.collisions().shape == none.clearance().shape == (0,)
+    assert none.twist(0.3, 2).shape == (0, 6)
+
+
+@pytest.mark.parametrize("t", [1e100, -1e151, 1e200, 1e300])
+@pytest.mark.parametrize("linkage", [LINKAGES[0], LINKAGES[1], LINKAGES[4]], ids=repr)
+def test_parameters_far_out_are_those_of_home(linkage, t):
+    home, far = (as_matrix(linkage.link_displacements(x)) for x in (math.inf, t))
+    assert np.abs(far - home).max() < 1e-90
+    assert np.abs(as_matrix(linkage.coupler_motion(t)) - as_matrix(linkage.home)).max() < 1e-15
+    mixed = as_matrix(linkage.coupler_motion(np.array([0.3, t, -t])))
+    assert np.allclose(mixed[1:], as_matrix(linkage.home))
+    assert np.allclose(linkage.twist(t, 2), linkage.twist(math.inf, 2))
+    assert linkage.mobility(t) == linkage.mobility(math.inf)
+    assert np.allclose(linkage.coupler_curve([1, 2, 3])(t), act(linkage.home, [1, 2, 3]))

@@ -44,6 +44,7 @@ ORDER = [
     "relative_motion",
     "mobility",
     "drive",
+    "circle",
     "moving_bars",
     "collision",
     "exact_collision",
