@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import kinlib as kl
-from browser import wait_until
+from browser import screen, wait_until
 from kinlib import eps, i, j, k
 from kinlib.gallery import FOUR_POSES
 from kinlib.pictures import on_hyperboloid
@@ -200,3 +200,53 @@ def test_the_exchange(scene):
         ask("document.querySelectorAll('.move')[arguments[0]].click()", n % 2)
     assert sorted(seen) == list(range(6))
     assert ask("return kinlib.parameters.order") == seen[0]
+
+
+def stroke(driver, start, end, steps: int = 12) -> None:
+    """One finger goes from a place on the screen to another."""
+
+    def touch(kind, *places):
+        fingers = [{"x": x, "y": y, "id": 1} for x, y in places]
+        driver.execute_cdp_cmd("Input.dispatchTouchEvent", {"type": kind, "touchPoints": fingers})
+
+    touch("touchStart", start)
+    for way in np.linspace(0, 1, steps + 1)[1:]:
+        touch("touchMove", tuple(float((1 - way) * a + way * b) for a, b in zip(start, end, strict=True)))
+    touch("touchEnd")
+
+
+def test_a_finger_drags_the_point_turns_the_view_and_scrolls_the_page(page):
+    driver = page(PAGE_OF["fig-double-root-drag"])
+    ask = driver.execute_script
+    with screen(driver, 390, 1100):
+        frame = driver.find_element("css selector", "#fig-double-root-drag iframe")
+        ask("arguments[0].scrollIntoView({block: 'center', behavior: 'instant'})", frame)
+        left, top = ask("const box = arguments[0].getBoundingClientRect(); return [box.left, box.top]", frame)
+
+        def inside(text, *values):
+            driver.switch_to.frame(frame)
+            try:
+                return ask(text, *values)
+            finally:
+                driver.switch_to.default_content()
+
+        def middle(css):
+            box = inside("return document.querySelector(arguments[0]).getBoundingClientRect().toJSON()", css)
+            return left + box["x"] + box["width"] / 2, top + box["y"] + box["height"] / 2
+
+        wait_until(lambda: inside("return !!(window.kinlib && kinlib.ready && kinlib.points)"))
+        inside("kinlib.pause()")
+        x, y = middle(".pad")
+        stroke(driver, (x, y), (x + 40, y - 30))
+        dragged = wait_until(lambda: (now := inside("return kinlib.parameters"))["x"] > 0 and now["x"] != 0.5 and now)
+        assert dragged["y"] > 1.1
+        x, y = middle(".stage")
+        azimuth, elevation = inside("return kinlib.view()")
+        stroke(driver, (x - 40, y), (x + 60, y))
+        turned = wait_until(lambda: (now := inside("return kinlib.view()"))[0] < azimuth - 20 and now)
+        assert turned[1] == pytest.approx(elevation, abs=1)
+        place = ask("return scrollY")
+        stroke(driver, (x, y), (x, y - 120))
+        wait_until(lambda: ask("return scrollY") > place + 60)
+        assert inside("return kinlib.view()") == pytest.approx(turned, abs=1e-6)
+        assert inside("return kinlib.parameters") == dragged

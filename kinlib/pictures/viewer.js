@@ -527,6 +527,13 @@
     stage.addEventListener("wheel", (event) => {
       if (window.parent !== window && !event.ctrlKey && !event.metaKey) event.stopImmediatePropagation();
     }, { capture: true, passive: true });
+    // Until the browser knows that a finger scrolls the page, the view has turned with it.
+    let before = null;
+    stage.addEventListener("pointerdown", () => { before = viewer && viewer.camera.position.clone(); }, { capture: true });
+    stage.addEventListener("pointercancel", () => {
+      if (before) viewer.camera.position.copy(before);
+      wake();
+    });
     new ResizeObserver(fit).observe(stage);
     new IntersectionObserver((entries) => {
       visible = entries[entries.length - 1].isIntersecting;
