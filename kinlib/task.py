@@ -6,6 +6,8 @@ direction that is aimed, an orientation that is taken.
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, ClassVar, TypeAlias
 
@@ -14,17 +16,29 @@ import numpy as np
 from kinlib.displacement import act
 from kinlib.dual_quaternion import DualQuaternion, null_form
 from kinlib.line import Line as SpaceLine
+from kinlib.linkage import Linkage
 from kinlib.poses import as_pose
 from kinlib.scalar import as_float, as_scalars, as_vectors, plain
 from kinlib.typing import Array, PointLike, PoseLike, VectorLike
 
-__all__ = ["Datum", "Direction", "Line", "Orientation", "Point", "PointAndDirection", "PointOnLine", "Pose"]
+__all__ = [
+    "Datum",
+    "Direction",
+    "Line",
+    "Orientation",
+    "Part",
+    "Point",
+    "PointAndDirection",
+    "PointOnLine",
+    "Pose",
+    "residuals",
+]
 
 LineLike: TypeAlias = SpaceLine | DualQuaternion
 """A line, or the half-turn about it (or any rotation)."""
 
 
-class Datum:
+class Datum(ABC):
     """A condition on the poses of a moving frame: base of the seven kinds.
 
     Attributes
@@ -38,7 +52,8 @@ class Datum:
     codimension: ClassVar[int]
     orientation_codimension: ClassVar[int]
 
-    def parts(self, near: PointLike = (0, 0, 0)) -> tuple[Datum, ...]:
+    @abstractmethod
+    def parts(self, near: PointLike = (0, 0, 0)) -> tuple[Part, ...]:
         """The parts that together are the same condition: points, points on lines, directions and orientations.
 
         Parameters
@@ -46,7 +61,6 @@ class Datum:
         near : array_like, shape (3,)
             A point of the moving frame; where a part may choose its point it takes one near this.
         """
-        return (self,)
 
     def residual(self, pose: PoseLike, *, length: float = 1.0) -> Any:
         """How far a pose is from meeting the datum: the largest angle in radians or distance in parts of a length.
@@ -56,7 +70,7 @@ class Datum:
         pose : DualQuaternion of shape (...), 4×4 matrices or SciPy RigidTransform
             Broadcasts against a batch of data.
         length : float
-            The size of the problem, in units of length.
+            The size of the problem, in units of length; positive.
 
         Examples
         --------
@@ -64,13 +78,11 @@ class Datum:
         >>> task.Point([0, 0, 0], to=[3, 4, 0]).residual(translation([0, 0, 0]), length=10)
         0.5
         """
+        if not 0 < length < np.inf:
+            raise ValueError(f"expected a positive length, the size of the problem, got {length!r}")
         q = pose if isinstance(pose, DualQuaternion) else as_pose(pose)
         q = DualQuaternion(as_float(q.coeffs))
-        return plain(np.maximum.reduce(np.broadcast_arrays(*(part._off(q, length) for part in self.parts()))))
-
-    def _off(self, q: DualQuaternion, length: float) -> Array:
-        """The residual of a datum that has no parts but itself, on poses in floats."""
-        raise NotImplementedError
+        return plain(np.maximum.reduce(np.broadcast_arrays(*(part.off(q, length) for part in self.parts()))))
 
     @property
     def shape(self) -> tuple[int, ...]:
@@ -82,8 +94,20 @@ class Datum:
             object.__setattr__(self, name, value)
 
 
+class Part(Datum):
+    """A datum that has no parts but itself."""
+
+    def parts(self, near: PointLike = (0, 0, 0)) -> tuple[Part, ...]:
+        """Itself."""
+        return (self,)
+
+    @abstractmethod
+    def off(self, q: DualQuaternion, length: float) -> Array:
+        """The residual on poses in floats: an angle, or a distance in parts of a length."""
+
+
 @dataclass(frozen=True, eq=False)
-class Point(Datum):
+class Point(Part):
     """A point of the moving frame arrives at a place: codimension 3.
 
     Parameters
@@ -109,13 +133,13 @@ class Point(Datum):
     def __post_init__(self) -> None:
         self._put(point=as_vectors(self.point, "points"), to=as_vectors(self.to, "places"))
 
-    def _off(self, q: DualQuaternion, length: float) -> Array:
+    def off(self, q: DualQuaternion, length: float) -> Array:
         """The distance."""
         return np.linalg.norm(as_float(act(q, self.point)) - as_float(self.to), axis=-1) / length
 
 
 @dataclass(frozen=True, eq=False)
-class PointOnLine(Datum):
+class PointOnLine(Part):
     """A point of the moving frame comes to lie on a line of the fixed frame: codimension 2.
 
     Parameters
@@ -140,7 +164,7 @@ class PointOnLine(Datum):
     def __post_init__(self) -> None:
         self._put(point=as_vectors(self.point, "points"), line=_as_line(self.line))
 
-    def _off(self, q: DualQuaternion, length: float) -> Array:
+    def off(self, q: DualQuaternion, length: float) -> Array:
         """The distance from the line."""
         l, m = (as_float(x) for x in (self.line.direction, self.line.moment))  # type: ignore[union-attr]
         apart = np.cross(as_float(act(q, self.point)), l) - m
@@ -148,7 +172,7 @@ class PointOnLine(Datum):
 
 
 @dataclass(frozen=True, eq=False)
-class Direction(Datum):
+class Direction(Part):
     """A direction of the moving frame is aimed at a direction of the fixed frame: codimension 2.
 
     Parameters
@@ -171,7 +195,7 @@ class Direction(Datum):
     def __post_init__(self) -> None:
         self._put(direction=_as_direction(self.direction), to=_as_direction(self.to))
 
-    def _off(self, q: DualQuaternion, length: float) -> Array:
+    def off(self, q: DualQuaternion, length: float) -> Array:
         """The angle."""
         turned = as_float(act(_turning(q), self.direction))
         to = as_float(self.to)
@@ -179,7 +203,7 @@ class Direction(Datum):
 
 
 @dataclass(frozen=True, eq=False)
-class Orientation(Datum):
+class Orientation(Part):
     """The moving frame takes an orientation, at whatever place: codimension 3.
 
     Parameters
@@ -201,7 +225,7 @@ class Orientation(Datum):
     def __post_init__(self) -> None:
         self._put(rotation=_as_rotation(self.rotation))
 
-    def _off(self, q: DualQuaternion, length: float) -> Array:
+    def off(self, q: DualQuaternion, length: float) -> Array:
         """The angle of the turn between them."""
         rotation = self.rotation
         between = DualQuaternion(as_float(rotation.coeffs)).conjugate() * q  # type: ignore[union-attr]
@@ -231,7 +255,7 @@ class Pose(Datum):
     def __post_init__(self) -> None:
         self._put(pose=as_pose(self.pose))
 
-    def parts(self, near: PointLike = (0, 0, 0)) -> tuple[Datum, ...]:
+    def parts(self, near: PointLike = (0, 0, 0)) -> tuple[Part, ...]:
         """Its orientation, and where it takes a point."""
         return Orientation(self.pose), Point(near, act(self.pose, near))
 
@@ -265,7 +289,7 @@ class PointAndDirection(Datum):
         self._put(point=as_vectors(self.point, "points"), to_point=as_vectors(self.to_point, "places"))
         self._put(direction=_as_direction(self.direction), to_direction=_as_direction(self.to_direction))
 
-    def parts(self, near: PointLike = (0, 0, 0)) -> tuple[Datum, ...]:
+    def parts(self, near: PointLike = (0, 0, 0)) -> tuple[Part, ...]:
         """The point and the direction."""
         return Point(self.point, self.to_point), Direction(self.direction, self.to_direction)
 
@@ -295,10 +319,36 @@ class Line(Datum):
     def __post_init__(self) -> None:
         self._put(line=_as_line(self.line), to=_as_line(self.to))
 
-    def parts(self, near: PointLike = (0, 0, 0)) -> tuple[Datum, ...]:
+    def parts(self, near: PointLike = (0, 0, 0)) -> tuple[Part, ...]:
         """Its direction, and a point of it."""
         line, to = _as_line(self.line), _as_line(self.to)
         return Direction(line.direction, to.direction), PointOnLine(line.foot(near), to)
+
+
+def residuals(linkage: Linkage, data: Sequence[Datum], *, length: float = 1.0) -> tuple[Any, ...]:
+    """How far the coupler of a linkage is from data (and wishes), at the parameters that the linkage names for them.
+
+    Parameters
+    ----------
+    linkage : Linkage
+        Such as :func:`~kinlib.goldberg_linkages_for` gives: its ``parameters`` are those of home and of the data.
+    data : sequence of Datum
+        All of them, in the order in which they were given, the wishes last.
+    length : float
+        The size of the problem, in units of length.
+
+    Examples
+    --------
+    >>> from kinlib import bennett_linkage, task
+    >>> from kinlib.gallery import THREE_POSES
+    >>> linkage = bennett_linkage(*THREE_POSES)
+    >>> max(task.residuals(linkage, [task.Pose(pose) for pose in THREE_POSES[1:]])) < 1e-15
+    True
+    """
+    if len(data) + 1 != len(linkage.parameters):
+        raise ValueError(f"expected {len(linkage.parameters) - 1} data, as the linkage has parameters, got {len(data)}")
+    poses = map(linkage.coupler_motion, linkage.parameters[1:])
+    return tuple(datum.residual(pose, length=length) for datum, pose in zip(data, poses, strict=True))
 
 
 def _shape(value: Any) -> tuple[int, ...]:

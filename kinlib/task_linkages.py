@@ -19,6 +19,7 @@ from kinlib.task import Datum
 from kinlib.task_count import COUNTS
 from kinlib.task_problem import TaskProblem
 from kinlib.task_search import Search, Unknowns
+from kinlib.task_wishes import nearest_to_wishes, with_parameters
 from kinlib.typing import Array, PoseLike
 
 __all__ = ["bennett_linkages_for", "goldberg_linkages_for", "six_r_linkages_for"]
@@ -43,6 +44,7 @@ def bennett_linkages_for(
     starts: int = 300,
     seed: int = 0,
     fill: bool = False,
+    wishes: Sequence[Datum] = (),
     progress: Progress | None = None,
 ) -> tuple[Linkage, ...]:
     """All Bennett linkages found whose couplers meet data from a home pose: as :func:`goldberg_linkages_for`.
@@ -58,7 +60,7 @@ def bennett_linkages_for(
     >>> bennett_linkages_for(home, [task.Pose(pose) for pose in others], starts=20)[0].joint_count
     4
     """
-    return _linkages_for("4R", home, data, starts, seed, fill, progress)
+    return _linkages_for("4R", home, data, starts, seed, fill, wishes, progress)
 
 
 def goldberg_linkages_for(
@@ -68,6 +70,7 @@ def goldberg_linkages_for(
     starts: int = 300,
     seed: int = 0,
     fill: bool = False,
+    wishes: Sequence[Datum] = (),
     progress: Progress | None = None,
 ) -> tuple[Linkage, ...]:
     """All 5R linkages found whose couplers meet data from a home pose.
@@ -89,15 +92,19 @@ def goldberg_linkages_for(
     fill : bool
         Whether parameters that the data leave free are filled: each start then leads to the linkage next to it in
         the sense of least squares, and there are as many linkages as starts that led to one.
+    wishes : sequence of :class:`task.Datum`
+        Further data, as many as you like, for the parameters that the data leave free: of the linkages that meet the
+        data, those are sought that miss the wishes least, in the sum of the squares of angles and of distances in
+        parts of the size of the problem.  :func:`task.residuals` says by how much.
     progress : callable, optional
         Is told which part of the search is done, from 0 to 1.
 
     Returns
     -------
     tuple of Linkage
-        Two for each cubic motion, which share it; compact ones first.  Their ``parameters`` are those at which they
-        are at home and meet the data.  Each was checked: all data are met to 1e-10 of the size of the problem, the
-        loop is closed, its mobility is one.
+        Two for each cubic motion, which share it; compact ones first, or those that miss the wishes least.  Their
+        ``parameters`` are those at which they are at home, meet the data, and are nearest to the wishes.  Each was
+        checked: all data are met to 1e-10 of the size of the problem, the loop is closed, its mobility is one.
 
     Raises
     ------
@@ -115,7 +122,7 @@ def goldberg_linkages_for(
     kinlib.errors.DegenerateError: general data of these kinds are met by no 5R: Pose (6), Pose (6), Point (3) take \
 4 + 4 + 1 = 9 of the 8 parameters of the 2R dyad that carries the coupler (a datum of codimension m takes m − 2)
     """
-    return _linkages_for("5R", home, data, starts, seed, fill, progress)
+    return _linkages_for("5R", home, data, starts, seed, fill, wishes, progress)
 
 
 def six_r_linkages_for(
@@ -125,6 +132,7 @@ def six_r_linkages_for(
     starts: int = 300,
     seed: int = 0,
     fill: bool = False,
+    wishes: Sequence[Datum] = (),
     progress: Progress | None = None,
 ) -> tuple[Linkage, ...]:
     """All 6R linkages found whose couplers meet data from a home pose: as :func:`goldberg_linkages_for`.
@@ -139,9 +147,9 @@ def six_r_linkages_for(
     Traceback (most recent call last):
     ...
     kinlib.errors.DegenerateError: the data leave 2 of the 16 parameters of 6R linkages free: ask for more, or \
-give fill=True
+give wishes or fill=True
     """
-    return _linkages_for("6R", home, data, starts, seed, fill, progress)
+    return _linkages_for("6R", home, data, starts, seed, fill, wishes, progress)
 
 
 def _linkages_for(
@@ -151,28 +159,72 @@ def _linkages_for(
     starts: int,
     seed: int,
     fill: bool,
+    wishes: Sequence[Datum],
     progress: Progress | None,
 ) -> tuple[Linkage, ...]:
-    problem = TaskProblem.of(home, data)
+    starts, seed = (_whole(x, what) for x, what in ((starts, "starts"), (seed, "seed")))
+    problem = TaskProblem.of(home, data, wishes)
     free = COUNTS[name].check(problem.data)
-    if free and not fill:
+    if free and not fill and not problem.wishes:
         whole = COUNTS[name].budgets[0].parameters
         raise DegenerateError(
-            f"the data leave {free} of the {whole} parameters of {name} linkages free: ask for more, or give fill=True"
+            f"the data leave {free} of the {whole} parameters of {name} linkages free: ask for more, or "
+            "give wishes or fill=True"
         )
-    found: list[tuple[float, Linkage]] = []
+    if not problem.data and not problem.wishes:
+        raise ValueError("expected at least one datum or wish: without any, there is nothing to search for")
+    problem.check_independent()
+    found: list[tuple[float, float, Linkage]] = []
+    families = 0
     for number, joints in enumerate(CHAINS[name]):
-        search = Search(joints, problem.conditions())
-        solutions = distinct(search, search.found(starts, (seed, number), _part(progress, number, len(CHAINS[name]))))
-        solutions = balanced(solutions)
-        for row in range(solutions.count):
-            found += [(_reach(solutions, row), linkage) for linkage in _built(problem, search, solutions, row)]
+        told = _part(progress, number, len(CHAINS[name]))
+        search = Search(joints, problem.conditions(wishes=True))
+        solutions, missed = _solutions(problem, search, starts, (seed, number), told)
+        isolated = search.is_isolated(solutions) if not free and not problem.wishes else np.ones(len(missed), bool)
+        families += int(np.count_nonzero(~isolated))
+        for row in np.flatnonzero(isolated).tolist():
+            reach = _reach(solutions, row)
+            found += [(missed[row], reach, linkage) for linkage in _built(problem, search, solutions, row)]
+    if not found and families:
+        raise DegenerateError(
+            f"the data lie in a special way: {families} motions of {name} linkages were found, and each can be changed "
+            "without end while it meets them; ask for other data"
+        )
     if not found:
         raise NotFoundError(
             f"no real {name} linkage was found from {starts} starts with seed {seed} for each of the "
             f"{len(CHAINS[name])} classes of chains; that does not say that there is none: try more starts"
         )
-    return tuple(linkage for _, linkage in sorted(found, key=lambda pair: pair[0]))
+    return tuple(linkage for *_, linkage in sorted(found, key=lambda row: row[:2]))
+
+
+def _solutions(
+    problem: TaskProblem, search: Search, starts: int, seed: Sequence[int], progress: Progress | None
+) -> tuple[Unknowns, Array]:
+    """The different solutions, in the balanced parameter, and the sums of squares by which they miss the wishes."""
+    if problem.data:
+        data = Search(search.joints, problem.conditions())
+        solutions = with_parameters(search, distinct(data, data.found(starts, seed, progress)))
+    else:
+        solutions = search.random(starts, np.random.default_rng(seed))
+    missed = np.zeros(solutions.count)
+    if problem.wishes:
+        solutions, missed = nearest_to_wishes(search, solutions, len(problem.data))
+        order = np.argsort(missed, kind="stable")
+        solutions, missed = solutions.some(order), missed[order]
+        kept = different(search, solutions)
+        solutions, missed = solutions.some(kept), missed[kept]
+    return balanced(solutions), np.round(missed, 20)
+
+
+def _whole(x: int, what: str) -> int:
+    """A whole number that is not negative; of starts at least one."""
+    least = 1 if what == "starts" else 0
+    if isinstance(x, bool) or not isinstance(x, int | np.integer):
+        raise TypeError(f"expected {what} as a whole number, got {x!r}")
+    if x < least:
+        raise ValueError(f"expected {what} of at least {least}, got {x}")
+    return int(x)
 
 
 def _part(progress: Progress | None, number: int, count: int) -> Progress | None:
@@ -186,14 +238,20 @@ def _reach(solutions: Unknowns, row: int) -> float:
 
 def distinct(search: Search, solutions: Unknowns) -> Unknowns:
     """Each solution once, without those whose cubic is a motion of lower degree or belongs to no linkage."""
-    solutions = solutions.some(_is_regular(search, solutions))
+    return solutions.some(different(search, solutions))
+
+
+def different(search: Search, solutions: Unknowns) -> Array:
+    """The numbers of the solutions that :func:`distinct` takes."""
+    regular = np.flatnonzero(_is_regular(search, solutions))
+    solutions = solutions.some(regular)
     numbers, kept = coefficients(search, solutions), np.zeros(solutions.count, dtype=bool)
     mirrored = numbers * np.array([(-1.0) ** n for n in range(1, numbers.shape[1] + 1)])[:, None]
     size = np.abs(numbers).max(axis=(1, 2), initial=1)
     for row in range(len(kept)):
         apart = [np.abs(x[kept] - numbers[row]).max(axis=(1, 2), initial=0) for x in (numbers, mirrored)]
         kept[row] = not (np.minimum(*apart) < SAME * size[row]).any()
-    return solutions.some(kept)
+    return regular[kept]
 
 
 def _is_regular(search: Search, solutions: Unknowns) -> Array:
@@ -297,7 +355,7 @@ def _loops(joints: tuple[int, ...], chain: tuple[DualQuaternion, ...]) -> Iterat
 def _holds(problem: TaskProblem, linkage: Linkage) -> bool:
     """Whether a linkage meets all data, is closed, and has mobility one."""
     allowed = MISSED + problem.noise
-    poses = [linkage.coupler_motion(t) for t in linkage.parameters[1:]]
+    poses = [linkage.coupler_motion(t) for t in linkage.parameters[1 : len(problem.data) + 1]]
     missed = [problem.missed(pose, datum) for pose, datum in zip(poses, problem.data, strict=True)]
     closed = linkage.closure_residual() <= RTOL
     return closed and max(missed, default=0) <= allowed and linkage.mobility() == 1

@@ -16,7 +16,7 @@ import numpy as np
 
 from kinlib.typing import Array
 
-__all__ = ["Conditions", "Search", "Unknowns"]
+__all__ = ["Conditions", "Search", "Unknowns", "shortened"]
 
 CANDIDATES = 8
 """So many random chains are tried for each one that is followed to the end."""
@@ -35,6 +35,9 @@ SPREAD = 0.8
 
 GRID = 12
 """At so many parameters along a random chain it is looked where it comes nearest to each datum."""
+
+ISOLATED = 1e-12
+"""Derivatives whose least singular value is smaller than so many of the greatest leave a direction free."""
 
 FAR = 100.0
 """Chains with axes farther away than so many sizes of the problem are given up."""
@@ -71,6 +74,27 @@ class Conditions:
         """The number of the datum of each residual."""
         rows = (self.arrive, 3), (self.touch, 2), (self.aim, 3), (self.turn, 3)
         return np.concatenate([np.tile(part[0], size) for part, size in rows])
+
+    @property
+    def frame(self) -> Array:
+        """A frame that turns with the data: the principal directions of all that they are about, right-handed.
+
+        They point to where most is, in third powers; the order of the data does not matter.
+        """
+        (_, point, place), (_, touching, foot, _), (_, before, after) = self.arrive, self.touch, self.aim
+        turned = self.turn[1][:, 1:] * np.copysign(1, self.turn[1][:, :1])
+        vectors = np.concatenate([point, place, place - point, touching, foot, before, after, turned])
+        _, axes = np.linalg.eigh(vectors.T @ vectors)
+        axes = axes * np.copysign(1, ((vectors @ axes) ** 3).sum(axis=0))
+        return np.stack([axes[:, 2], axes[:, 1], np.cross(axes[:, 2], axes[:, 1])], axis=1)
+
+    def seen_in(self, frame: Array) -> Conditions:
+        """The same in another frame, whose axes are the columns of a rotation matrix."""
+        arrive, touch, aim = ((part[0], *(x @ frame for x in part[1:])) for part in (self.arrive, self.touch, self.aim))
+        data, turns = self.turn
+        return Conditions(
+            self.count, arrive, touch, aim, (data, np.concatenate([turns[:, :1], turns[:, 1:] @ frame], axis=1))
+        )
 
 
 @dataclass
@@ -156,9 +180,9 @@ class Search:
         p = random.normal(size=(count, joints, 3)).T
         z = SPREAD * random.normal(size=(count, factors, 2)) @ np.array([1, 1j])
         z[:, -1] = 1j
-        return self._nearest(Unknowns(l, p - (p * l).sum(axis=0) * l, z.T, np.zeros((self.conditions.count, count))))
+        return self.nearest(Unknowns(l, p - (p * l).sum(axis=0) * l, z.T, np.zeros((self.conditions.count, count))))
 
-    def _nearest(self, unknowns: Unknowns) -> Unknowns:
+    def nearest(self, unknowns: Unknowns) -> Unknowns:
         """The same chains with each datum at the best of some parameters."""
         owner = (np.arange(self.conditions.count)[:, None] == self.conditions.owners).astype(float)
         best, phi = np.full(unknowns.phi.shape, np.inf), unknowns.phi
@@ -237,12 +261,17 @@ class Search:
             progress(1.0)
         return solutions
 
+    def is_isolated(self, unknowns: Unknowns) -> Array:
+        """Whether there are no other solutions next to solutions: the derivatives have full rank."""
+        values = np.linalg.svd(self.derivatives(unknowns)[1], compute_uv=False)
+        return values[:, -1] > ISOLATED * values[:, 0]
+
     def polished(self, unknowns: Unknowns, steps: int = 3) -> Unknowns:
         """Solutions up to rounding, by Newton's method with the shortest steps; those that run away are left out."""
         for _ in range(steps):
             values, matrix = self.derivatives(unknowns)
             step = -(np.linalg.pinv(matrix, rcond=1e-10) @ values.T[..., None])[..., 0]
-            unknowns = unknowns.moved(_shortened(step).T)
+            unknowns = unknowns.moved(shortened(step).T)
         return unknowns.some((self.residuals(unknowns) ** 2).sum(axis=0) < MET)
 
 
@@ -297,7 +326,7 @@ class Descent:
         mean = diagonal.mean(axis=-1, keepdims=True)
         diagonal += self.damping[:, None] * (diagonal + 1e-3 * mean + 1e-12)
         step = -np.linalg.solve(normal, transposed @ self.values[..., None])[..., 0]
-        tried = self.unknowns.moved(_shortened(step).T)
+        tried = self.unknowns.moved(shortened(step).T)
         values, matrix = self.search.derivatives(tried)
         missed = (values**2).sum(axis=0)
         nearer = missed < self.missed
@@ -312,7 +341,7 @@ class Descent:
         )
 
 
-def _shortened(step: Array) -> Array:
+def shortened(step: Array) -> Array:
     """Steps of shape (chains, unknowns) that are not too long."""
     longest = np.abs(step).max(axis=-1, keepdims=True, initial=0)
     return step * np.minimum(1, LONGEST_STEP / np.maximum(longest, 1e-300))

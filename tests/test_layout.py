@@ -74,6 +74,7 @@ ORDER = [
     "task",
     "task_count",
     "task_search",
+    "task_wishes",
     "task_problem",
     "task_linkages",
     "gallery",

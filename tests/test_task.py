@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from scipy.optimize import least_squares
 from scipy.spatial.transform import RigidTransform, Rotation
 
 import kinlib as kl
@@ -140,11 +141,11 @@ def test_the_smallest_choice_that_asks_too_much_is_named():
 # --- the search ---------------------------------------------------------------------------------------------------
 
 
-def assert_meets(linkage, home, data, length=1.0):
+def assert_meets(linkage, home, data, length=1.0, wishes=()):
     """By the linkage's own motion, in matrices: at home at infinity, all data met, closed, of mobility one."""
-    assert len(linkage.parameters) == len(data) + 1
+    assert len(linkage.parameters) == len(data) + len(wishes) + 1
     assert kl.same_point(linkage.coupler_motion(np.inf), kl.as_pose(home), rtol=1e-9, length=length)
-    for t, asked in zip(linkage.parameters[1:], data, strict=True):
+    for t, asked in zip(linkage.parameters[1:], data, strict=not wishes):
         assert asked.residual(as_matrix(linkage.coupler_motion(t)), length=length) < 1e-9
     assert_closes(linkage)
     assert linkage.mobility() == 1
@@ -221,6 +222,84 @@ def test_what_is_left_free_is_filled_on_request():
         assert_meets(linkage, given.home, given.data)
 
 
+def test_wishes_are_met_as_nearly_as_the_surface_of_the_dyad_allows():
+    """Through three poses, with two places that a point does not reach: the nearest of what the dyads reach."""
+    home, *others = (pose.astype(float) for pose in THREE_POSES)
+    point, places = [0, 1, 0], [[2, 2, 1], [-2, 0, -1]]
+    data, wishes = [task.Pose(pose) for pose in others], [task.Point(point, to=place) for place in places]
+    linkage = kl.goldberg_linkages_for(home, data, wishes=wishes, starts=30)[0]
+    assert_meets(linkage, home, data, wishes=wishes)
+    dyads = kl.dyads_through_poses(home, *others)
+    reached = [[kl.nearest_stop(dyad, point, place).distance for place in places] for dyad in dyads]
+    nearest = min(reached, key=np.linalg.norm)
+    assert task.residuals(linkage, [*data, *wishes])[2:] == pytest.approx(nearest, abs=1e-7)
+
+
+def test_a_wish_that_can_be_met_is_met():
+    home, *others = random_poses(3, seed=1)
+    data = [task.Pose(pose) for pose in others]
+    found = kl.bennett_linkages_for(home, data[:1], wishes=data[1:], starts=20)[0]
+    assert_meets(found, home, data)
+    known = kl.bennett_linkage(home, *others)
+    assert found.denavit_hartenberg()[0].distance == pytest.approx(known.denavit_hartenberg()[0].distance)
+
+
+def test_wishes_alone_have_a_nearest_linkage():
+    """SciPy starts where the search ended, with turns and feet of the axes as unknowns, and comes no nearer."""
+    home, *others = random_poses(8, seed=3)
+    wishes = [task.Point([1, 0, 0], act(pose, [1, 0, 0])) for pose in others] * 1
+    linkage = kl.goldberg_linkages_for(home, [], wishes=wishes, starts=40)[0]
+    first, second = linkage.joints[:2]
+    axes = [linkage.factors[0], linkage.factors[first]]
+    lines = [Line.from_dual_quaternion(h) for h in axes]
+    numbers = [(h.scalar_part, kl.null_form(h, h) - h.scalar_part**2) for h in linkage.factors[: first + second]]
+    along = [h.coeffs[1:4] @ axes[n >= first].coeffs[1:4] for n, h in enumerate(linkage.factors[: first + second])]
+    start = np.concatenate([
+        *(np.r_[line.direction, line.foot()] for line in lines),
+        *((x, np.copysign(np.sqrt(y), sign)) for (x, y), sign in zip(numbers, along, strict=True)),
+        linkage.parameters[1:],
+    ])  # fmt: skip
+
+    def misses(x):
+        turns = [kl.unit(kl.half_turn(Line.at(place, way))) for way, place in np.reshape(x[:12], (2, 2, 3))]
+        pairs = np.reshape(x[12:18], (3, 2))
+        factors = [a + b * turns[n >= first] for n, (a, b) in enumerate(pairs)]
+        poses = [(t - factors[0]) * (t - factors[1]) * (t - factors[2]) * home for t in x[18:]]
+        return np.concatenate([act(pose, wish.point) - wish.to for pose, wish in zip(poses, wishes, strict=True)])
+
+    found = least_squares(misses, start, xtol=1e-15, ftol=1e-15, gtol=1e-15)
+    before = np.array(task.residuals(linkage, wishes))
+    assert np.linalg.norm(misses(start)) == pytest.approx(np.linalg.norm(before))
+    assert np.linalg.norm(found.fun) == pytest.approx(np.linalg.norm(before), rel=1e-6)
+
+
+def test_residuals_are_asked_for_all_data():
+    given = problem(FOUR_R["two poses"], (1, 1), seed=1)
+    linkage = kl.bennett_linkages_for(given.home, given.data, starts=10)[0]
+    assert max(task.residuals(linkage, given.data)) < 1e-12
+    moved = [task.Pose(translation([0, 0, 0.3]) * asked.pose) for asked in given.data]
+    assert task.residuals(linkage, moved, length=3) == pytest.approx((0.1, 0.1))
+    with pytest.raises(ValueError, match="expected 2 data, as the linkage has parameters, got 1"):
+        task.residuals(linkage, given.data[:1])
+
+
+def test_a_turned_frame_finds_the_same():
+    """The random chains are drawn in a frame that turns with the data, and the order of the data does not matter."""
+    given = problem(FIVE_R["pose, line, two points"], seed=2)
+    turn = kl.unit(1 + 2 * i - k)
+    turned = (
+        task.Pose(turn * given.data[0].pose),
+        task.Line(given.data[1].line, act(turn, given.data[1].to)),
+        *(task.Point(asked.point, act(turn, asked.to)) for asked in given.data[:1:-1]),
+    )
+    first = kl.goldberg_linkages_for(given.home, given.data, starts=20)
+    second = kl.goldberg_linkages_for(turn * given.home, turned, starts=20)
+    assert len(first) == len(second) >= 2
+    for one_of, other in zip(first, second, strict=True):
+        assert other.parameters[1:3] == pytest.approx(one_of.parameters[1:3], rel=1e-5)
+        assert kl.same_point(other.factors[0], turn * one_of.factors[0] * turn.conjugate(), rtol=1e-6)
+
+
 def test_nothing_found_is_not_said_to_be_nothing():
     far = [task.Point([0, 0, 0], [10.0**n, 0, n]) for n in range(6)]
     with pytest.raises(NotFoundError, match=r"from 2 starts with seed 7 .* does not say that there is none"):
@@ -232,12 +311,72 @@ def test_nothing_found_is_not_said_to_be_nothing():
     [
         (task.Pose(i), "expected a sequence of data"),
         ([i, k], "expected data such as"),
+        (None, "expected a sequence of data"),
         ([task.Pose(DualQuaternion.stack([i, k])), task.Pose(i)], "a batch is a search for each of its rows"),
     ],
 )
 def test_what_is_no_task_is_refused(data, message):
     with pytest.raises((TypeError, ValueError), match=message):
         kl.bennett_linkages_for(one, data)
+
+
+PIN, BORE = Line.at([0, 0, 0], [0, 0, 1]), Line.at([1, 2, 0], [0, 1, 2])
+TOOL = task.PointAndDirection([0, 0, 0], [0, 0, 1], to_point=[1, 2, 3], to_direction=[1, 0, 0])
+SLIDES = [task.PointOnLine([0, 0, 0], BORE), task.PointOnLine([1, 0, 0], BORE)]
+
+
+@pytest.mark.parametrize(
+    ("data", "message"),
+    [
+        ([task.Pose(i), task.Pose(-2 * i), *SLIDES], r"datum 2 \(Pose\) is met whenever datum 1 \(Pose\) is"),
+        ([TOOL, TOOL, task.Line(PIN, BORE), SLIDES[0]], r"datum 2 \(PointAndDirection\) is met whenever datum 1"),
+        (
+            [task.Line(PIN, BORE), task.Line(PIN.as_dual_quaternion(), BORE), TOOL, *SLIDES],
+            "datum 2 .* whenever datum 1",
+        ),
+        (
+            [task.Pose(i), task.Orientation(i), TOOL, SLIDES[1]],
+            r"datum 2 \(Orientation\) is met whenever datum 1 \(Pose",
+        ),
+        ([*SLIDES, task.PointOnLine([0, 0, 0], Line.at([1, 3, 2], [0, -1, -2])), TOOL], "datum 3 .* whenever datum 1"),
+        ([task.Pose(one), task.Pose(i), *SLIDES], r"datum 1 \(Pose\) is met by the home pose already"),
+        ([task.Point([1, 1, 1], [1, 1, 1]), *SLIDES], r"datum 1 \(Point\) is met by the home pose already"),
+    ],
+)
+def test_data_that_ask_for_nothing_are_named(data, message):
+    with pytest.raises(DegenerateError, match=message):
+        kl.goldberg_linkages_for(one, data, starts=20, fill=True)
+
+
+def test_data_in_a_special_place_are_named():
+    """A tool that aims in two ways in one place: general data of these kinds determine finitely many linkages."""
+    again = task.PointAndDirection([0, 0, 0], [0, 0, 1], [1, 2, 3], [0, 1, 0])
+    with pytest.raises(DegenerateError, match=r"lie in a special way: .* can be changed without end"):
+        kl.goldberg_linkages_for(one, [TOOL, again, task.Line(PIN, BORE), SLIDES[0]], starts=20)
+
+
+@pytest.mark.parametrize(
+    ("settings", "message"),
+    [
+        ({"starts": 0}, "starts of at least 1, got 0"),
+        ({"starts": 2.5}, "starts as a whole number, got 2.5"),
+        ({"seed": -1}, "seed of at least 0"),
+        ({"seed": None}, "seed as a whole number, got None"),
+        ({"wishes": [i]}, "expected data such as"),
+        ({"data": (), "fill": True}, "at least one datum or wish"),
+        ({"data": [task.Point([0, 0, 0], [1e200, 0, n]) for n in range(6)]}, "coordinates that can be squared"),
+    ],
+)
+def test_settings_that_are_none_are_refused(settings, message):
+    with pytest.raises((TypeError, ValueError), match=message):
+        kl.goldberg_linkages_for(one, **{"data": [task.Pose(i), TOOL, task.Point([0, 0, 1], [2, 2, 0])], **settings})
+
+
+def test_a_datum_is_one_of_the_kinds_and_has_a_size():
+    with pytest.raises(TypeError, match="abstract"):
+        task.Datum()
+    with pytest.raises(ValueError, match="positive length, the size of the problem, got 0"):
+        task.Pose(i).residual(one, length=0)
 
 
 def test_exact_data_and_matrices_are_taken():
