@@ -1,7 +1,8 @@
 """A Sphinx extension: ``<!-- cells PAGE FIRST LAST -->`` becomes those cells of a chapter, with what they printed.
 
-So the note says what the book says, and what was run. ``<!-- statement LABEL -->`` is one statement of the book, and
-``<!-- proof LABEL -->`` what follows it, listings included, from the word “Proof” to the end of the proof.
+So the note says what the book says, and what was run. ``<!-- output PAGE CELL -->`` is what one cell printed, alone.
+``<!-- statement LABEL -->`` is one statement of the book, and ``<!-- proof LABEL -->`` what follows it, listings
+included, from the word “Proof” to the end of the proof.
 """
 
 import base64
@@ -17,7 +18,7 @@ from docutils import nodes
 from sphinx.util.docutils import SphinxDirective
 
 BOOK = Path(__file__).resolve().parents[1]
-MARK = re.compile(r"^<!-- (cells|statement|proof|figure|claims) (.*?) -->$", re.MULTILINE)
+MARK = re.compile(r"^<!-- (cells|output|statement|proof|figure|claims) (.*?) -->$", re.MULTILINE)
 STATEMENT = re.compile(r"```\{prf:(\w+)\} ?([^\n]*)\n:label: (\S+)\n.*?\n```$", re.MULTILINE | re.DOTALL)
 ROLE = re.compile(r"\{(doc|eq|ref|prf:ref|numref|py:\w+|term)\}`([^`]*)`")
 BETWEEN = re.compile(r"^(\([\w-]+\)=|#+ .*)\n", re.MULTILINE)  # anchors and headings
@@ -124,6 +125,8 @@ def filled(text: str, folder: Path) -> str:
                 return statements()[words[0]][0]
             case "proof":
                 return proof(words[0])
+            case "output":
+                return output(next(cell for cell in cells(words[0]) if cell["id"] == words[1]))
             case "claims":
                 return claims(words)
             case "figure":
