@@ -481,20 +481,38 @@ def _do_not_part(hits: _Meetings, bars: MovingBars, pair: Pair, rtol: float) -> 
 # ---- clearance ---------------------------------------------------------------------------------------
 
 
-def clearances(bars: MovingBars, joints: Sequence[int], rtol: float) -> Array:
+def clearances(bars: MovingBars, joints: Sequence[int], rtol: float, enough: Array | None = None) -> Array:
     """The least distances of bars that share no joint, shape (rows,), over one full turn.
 
     Branch and bound: an interval of φ where no bar can come nearer than what was found elsewhere, less rtol times the
     size, is left out; the others are halved.  What was found is then improved.  Where the bars are known to meet there
-    is nothing to search.
+    is nothing to search.  Where they come nearer than ``enough`` the result is some distance below that.
     """
+    if enough is not None:
+        return _clearances_above(bars, joints, rtol, enough)
     least = np.where(bars.defined, np.inf, np.nan)
     pairs = pairs_without_joint(joints)
-    count = collisions_in_floats(bars, joints, least.shape, degenerate="nan").count
-    least[np.asarray(count) > 0] = 0.0
+    least[_meet(bars, joints)] = 0.0
     free = np.flatnonzero(least == np.inf)
     if pairs and len(free):
         least[free] = _Search(bars.pick(free), pairs, rtol).run()
+    return least
+
+
+def _meet(bars: MovingBars, joints: Sequence[int]) -> Array:
+    """Which rows have bars that meet."""
+    return np.asarray(collisions_in_floats(bars, joints, (len(bars.size),), degenerate="nan").count) > 0
+
+
+def _clearances_above(bars: MovingBars, joints: Sequence[int], rtol: float, enough: Array) -> Array:
+    """The same, the search first: it ends where a distance is below ``enough``, and few are left that may meet."""
+    least = np.where(bars.defined, np.inf, np.nan)
+    rows, pairs = np.flatnonzero(bars.defined), pairs_without_joint(joints)
+    if pairs and len(rows):
+        least[rows] = _Search(bars.pick(rows), pairs, rtol, enough[rows]).run()
+    doubtful = np.flatnonzero((least >= enough) & (least <= 2 * rtol * bars.size))
+    if len(doubtful):
+        least[doubtful[_meet(bars.pick(doubtful), joints)]] = 0.0
     return least
 
 
@@ -505,8 +523,9 @@ START = 16
 class _Search:
     """What is known of the least distance, row by row."""
 
-    def __init__(self, bars: MovingBars, pairs: Sequence[Pair], rtol: float):
+    def __init__(self, bars: MovingBars, pairs: Sequence[Pair], rtol: float, enough: Array | float = 0.0):
         self.bars, self.pairs, self.close = bars, pairs, rtol * bars.size
+        self.enough = np.maximum(enough, RTOL * bars.size)
         self.best = np.full(len(bars.size), np.inf)
         self.where = np.zeros(len(bars.size))
         self.who = np.zeros(len(bars.size), dtype=int)
@@ -540,14 +559,14 @@ class _Search:
         self, number: int, rows: Array, angle: Array, half: float, bound: Array
     ) -> tuple[int, Array, Array, float]:
         """The halves of the intervals where a bar may come nearer."""
-        keep = (bound < self.best[rows] - self.close[rows]) & (self.best[rows] > RTOL * self.bars.size[rows])
+        keep = (bound < self.best[rows] - self.close[rows]) & (self.best[rows] > self.enough[rows])
         rows, angle = rows[keep], angle[keep]
         return number, np.repeat(rows, 2), (angle[:, None] + half / 2 * np.array([-1, 1])).reshape(-1), half / 2
 
     def _improve(self) -> None:
         """Narrow the place of the least distance by golden sections."""
         for number, pair in enumerate(self.pairs):
-            rows = np.flatnonzero((self.who == number) & (self.best > RTOL * self.bars.size))
+            rows = np.flatnonzero((self.who == number) & (self.best > self.enough))
             if len(rows):
                 self.best[rows] = np.minimum(self.best[rows], self._narrowed(pair, rows))
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import partial
 from typing import Any, NamedTuple
@@ -115,9 +115,13 @@ def search(
         raise ValueError(f"expected blocks of at least one point, got {block}")
     count = len(points)
     starts = range(0, count, block)
-    pieces = (_Piece(n, _piece(points, n, min(n + block, count))) for n in starts)
     found: Found | None = None
-    for number, part in enumerate(run_in_blocks(partial(_examine, task), pieces, cluster), start=1):
+
+    def pieces() -> Iterator[_Piece]:
+        for start in starts:
+            yield _Piece(start, _piece(points, start, min(start + block, count)), _floor(found, keep))
+
+    for number, part in enumerate(run_in_blocks(partial(_examine, task), pieces(), cluster), start=1):
         found = part if found is None else found.and_more(part, keep)
         if progress is not None:
             progress(number, len(starts))
@@ -159,10 +163,15 @@ def _piece(points: ZGrid | Array, start: int, stop: int) -> _Part | Array:
 
 
 class _Piece(NamedTuple):
-    """A block: its points, and the number of the first."""
+    """A block: its points, the number of the first, and what a score must reach to be among the best by then."""
 
     start: int
     points: _Part | Array
+    floor: float
+
+
+def _floor(found: Found | None, keep: int) -> float:
+    return -np.inf if found is None else found.floor(keep)
 
 
 def _examine(task: Task, piece: _Piece) -> Found:
@@ -172,7 +181,7 @@ def _examine(task: Task, piece: _Piece) -> Found:
     found: Found | None = None
     for number, plane in enumerate(task.zplanes()):
         for partner, linkage in enumerate(plane.linkages(z, degenerate="nan") if number in task.planes else ()):
-            floor = -np.inf if found is None else found.floor(task.keep)
+            floor = max(piece.floor, _floor(found, task.keep))
             part = best_rows(task, linkage, z, np.array([number, partner, piece.start]), floor)
             found = part if found is None else found.and_more(part, task.keep)
     assert found is not None  # there is a plane

@@ -12,13 +12,13 @@ from kinlib.rows import broadcast
 from kinlib.scalar import as_float
 from kinlib.typing import Array
 
-__all__ = ["bar_lengths", "clearance_at_most", "folds", "room_about", "smallest_angle", "travel"]
+__all__ = ["bar_lengths", "clearance_at_most", "folds", "moving_bars", "room_about", "smallest_angle", "travel"]
 
 POSITIONS = 32
 """At how many positions of one turn the room is measured."""
 
-LOOKS = 12
-"""At how many positions bars are looked at before their clearance is searched for."""
+LOOKS, STRIDE = 12, 5
+"""At how many positions bars are looked at before their clearance is searched for, and in which order."""
 
 ON_IT = 1e-9
 """How near bars are at a joint without an offset, in units of their lengths."""
@@ -107,16 +107,23 @@ def folds(linkage: Linkage) -> Array:
     return np.asarray((meets & upright & touched & (np.abs(linkage.turns()) == linkage.joints)).any(axis=-1))
 
 
-def clearance_at_most(linkage: Linkage) -> Array:
+def moving_bars(linkage: Linkage) -> MovingBars:
+    """The usual bars of a batch of shape (rows,), in motion."""
+    return MovingBars.of([broadcast(f, linkage.shape) for f in linkage.factors], linkage.joints, linkage.bars())
+
+
+def clearance_at_most(linkage: Linkage, least: Array | float = 0.0) -> Array:
     """A bound of the clearance from above, for a batch of shape (rows,): 0 where bars are known to touch, else the
-    least distance of bars in 12 positions."""
-    bars = linkage.bars()
-    most = np.where(np.isnan(bars).any(axis=(-1, -2, -3)), np.nan, 0.0)
-    rows = np.flatnonzero(~np.isnan(most) & ~folds(linkage))
-    if len(rows):
-        kept = linkage[rows]
-        moving = MovingBars.of([broadcast(f, (len(rows),)) for f in kept.factors], kept.joints, bars[rows])
-        angles = np.pi * (np.arange(LOOKS) + 0.5) / LOOKS
-        pairs = pairs_without_joint(kept.joints)
-        most[rows] = np.min([moving.distance(pair, np.full(len(rows), x)) for pair in pairs for x in angles], axis=0)
+    least distance of bars in up to 12 positions, no more of them than show that it is below ``least``."""
+    least = np.broadcast_to(least, linkage.shape)
+    most = np.where(np.isnan(linkage.bars()).any(axis=(-1, -2, -3)), np.nan, 0.0)
+    rows = np.flatnonzero(~np.isnan(most) & (least < np.inf) & ~folds(linkage))
+    most[rows] = np.inf
+    moving, pairs = moving_bars(linkage[rows]), pairs_without_joint(linkage.joints)
+    for number in range(LOOKS):
+        open_ones = most[rows] >= least[rows]
+        if np.count_nonzero(open_ones) < len(rows) / 2:
+            rows, moving = rows[open_ones], moving.pick(open_ones)
+        angle = np.full(len(rows), np.pi * (number * STRIDE % LOOKS + 0.5) / LOOKS)
+        most[rows] = np.minimum(most[rows], np.min([moving.distance(pair, angle) for pair in pairs], axis=0))
     return most

@@ -11,17 +11,21 @@ from typing import NamedTuple
 import numpy as np
 
 from kinlib.brief import LARGE, MEASURES, NAMES, Brief
+from kinlib.collision import clearances
 from kinlib.displacement import as_matrix
 from kinlib.dual_quaternion import DualQuaternion
 from kinlib.linkage import Linkage
-from kinlib.measures import bar_lengths, clearance_at_most
+from kinlib.measures import bar_lengths, clearance_at_most, moving_bars
 from kinlib.typing import Array
 from kinlib.z_plane import ZPlane, z_planes
 
 __all__ = ["Found", "Task", "best_rows"]
 
-CHUNK = 16
+CHUNK = 32
 """For so many linkages at a time clearance is searched."""
+
+CLOSE = 1e-3
+"""To which part of its size."""
 
 
 class Found(NamedTuple):
@@ -130,20 +134,31 @@ class _Rows(NamedTuple):
 
 def _by_clearance(task: Task, rows: _Rows, floor: float) -> tuple[Array, Array]:
     """The rows that satisfy the brief's clearance, as far as they can be among the best, and their scores."""
-    total, most = bar_lengths(rows.linkage).sum(axis=-1), clearance_at_most(rows.linkage)
+    total = bar_lengths(rows.linkage).sum(axis=-1)
+    most = clearance_at_most(rows.linkage, np.where(rows.alive, _needed(task, total, rows.score, floor), np.inf))
     bound = _scored(task, most, total, rows.score)
     hopeful = np.flatnonzero(rows.alive & _is_clear(task, most, total) & (bound >= floor))
     hopeful = hopeful[np.argsort(-bound[hopeful], kind="stable")]
     good, scores = np.zeros(0, dtype=int), np.zeros(0)
     for start in range(0, len(hopeful), CHUNK):
         some = hopeful[start : start + CHUNK]
-        if len(scores) >= task.keep and bound[some[0]] < np.sort(scores)[-task.keep]:
+        if len(scores) >= task.keep:
+            floor = max(floor, np.sort(scores)[-task.keep])
+        if bound[some[0]] < floor:
             break
-        clearance = np.asarray(rows.linkage[some].clearance())
-        fine = _is_clear(task, clearance, total[some])
-        good = np.concatenate([good, some[fine]])
-        scores = np.concatenate([scores, _scored(task, clearance, total[some], rows.score[some])[fine]])
+        needed = _needed(task, total[some], rows.score[some], floor)
+        clearance = clearances(moving_bars(rows.linkage[some]), rows.linkage.joints, CLOSE, needed)
+        score = _scored(task, clearance, total[some], rows.score[some])
+        fine = _is_clear(task, clearance, total[some]) & (score >= floor)
+        good, scores = np.concatenate([good, some[fine]]), np.concatenate([scores, score[fine]])
     return good, scores
+
+
+def _needed(task: Task, total: Array, score: Array, floor: float) -> Array:
+    """The clearance below which a row is not among the best; ∞ where no clearance is enough."""
+    needed = np.maximum(task.brief.clearance, task.brief.relative_clearance * total)
+    decides = {"clearance": np.full_like(total, floor), "relative_clearance": floor * total}
+    return np.maximum(needed, decides.get(task.best, np.where(score < floor, np.inf, 0.0)))
 
 
 def _scored(task: Task, clearance: Array, total: Array, score: Array) -> Array:

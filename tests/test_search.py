@@ -5,8 +5,9 @@ import pytest
 
 from kinlib import Brief, ZGrid, act, as_matrix, goldberg_linkages, refine, search
 from kinlib.brief import NAMES
+from kinlib.collision import clearances
 from kinlib.gallery import THREE_POSES
-from kinlib.measures import bar_lengths, clearance_at_most, folds, room_about, smallest_angle, travel
+from kinlib.measures import bar_lengths, clearance_at_most, folds, moving_bars, room_about, smallest_angle, travel
 from kinlib.testing import random_poses
 from laws import COVERED
 
@@ -105,6 +106,22 @@ def test_bars_that_are_known_to_touch_do(seed):
         assert np.all((clearance_at_most(linkage) >= clearance * (1 - 1e-9)) | np.isnan(clearance))
         touching += known.sum()
     assert touching > 240
+
+
+@pytest.mark.parametrize("seed", range(2))
+def test_what_is_not_enough_need_not_be_known(seed):
+    """Clearances that are enough are found to the last bit, the others to be below, at any bound."""
+    poses = random_poses(3, seed=seed)
+    z = np.random.default_rng(seed).normal(size=(40, 2)) @ [1, 1j]
+    for linkage in goldberg_linkages(*poses, z, degenerate="nan")[::3]:
+        bars, clearance = moving_bars(linkage), linkage.clearance()
+        for enough in (0.0, np.nanquantile(clearance, 0.6), np.nanquantile(clearance, 0.9)):
+            found = clearances(bars, linkage.joints, 1e-3, np.full(40, enough))
+            above = clearance >= enough
+            np.testing.assert_array_equal(found[above], clearance[above])
+            assert np.all((found[~above] < enough) | np.isnan(clearance[~above]))
+            most = clearance_at_most(linkage, enough)
+            assert np.all((most >= enough) | ~above)
 
 
 def sampled(linkage, count=3000):
