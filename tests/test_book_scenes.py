@@ -102,7 +102,8 @@ def test_the_free_number(scene):
         loops /= np.linalg.norm(loops[..., 1:4], axis=-1, keepdims=True)
         off = np.minimum(np.abs(loops - axes).max(-1), np.abs(loops + axes).max(-1)).max(-1)
         assert off.min() < 1e-8
-        turns = ask("return JSON.parse(document.getElementById('recording').textContent).explorer.turns")[family]
+        given = ask("return JSON.parse(document.getElementById('recording').textContent).explorer")
+        turns = given["turns"][given["turnOf"][family]]
         for t, pose in zip(linkages[0].parameters, poses, strict=True):
             angle = 0 if np.isinf(t) else 2 * np.arctan2(1, t)
             drawn = points(ask, float(np.interp(angle, turns, range(120))))

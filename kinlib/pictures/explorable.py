@@ -281,13 +281,15 @@ def _explorer(sights: Sequence[_Sight], stage: _Stage, example: Seen) -> Table:
     formulas: list[str] = []
     lists = [_place_in(items, _items(sight.seen(start, 1.0), stage)) for sight in sights]
     which = [_place_in(formulas, sight.formula()) for sight in sights]
+    turns: list[Any] = []
+    paces = [_place_in(turns, np.round(turn.at(sight.choices), 7).tolist() if turn else [0]) for sight in sights]
     return {
         "inputs": list(sights[0].ranges()),
         "formulas": formulas, "formulaOf": which,
         "controls": [control.table() | _for_choices(control, sights, pictures) for control in controls],
         "pictures": pictures,
         "turn": turn.name if turn else "",
-        "turns": [np.round(turn.at(sight.choices), 7).tolist() if turn else [0] for sight in sights],
+        "turns": turns, "turnOf": paces,
         "items": items, "itemsOf": lists, "triad": [X_AXIS, Y_AXIS, Z_AXIS], "steps": 96,
         "kept": stage.kept, "near": NEAR, "close": CLOSE,
         "bad": [text for _, text in example.bad],

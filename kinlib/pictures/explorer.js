@@ -31,7 +31,7 @@ window.explore = (recording, { state, draw, frame }) => {
 
   // Between two frames the turn goes on evenly.
   function parameter(at) {
-    const turns = given.turns[which()];
+    const turns = given.turns[given.turnOf[which()]];
     const first = Math.floor(at) % frames;
     const step = turns[(first + 1) % frames] - turns[first];
     const whole = 2 * Math.PI;
