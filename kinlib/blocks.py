@@ -62,7 +62,7 @@ def run_in_blocks(
             return [client.submit(function, block, pure=False, retries=TRIES) for block in some]
 
         remaining, threads = iter(blocks), sum(client.nthreads().values())
-        running = distributed.as_completed(submitted(islice(remaining, AHEAD * max(1, threads))))
+        running = distributed.as_completed(submitted(islice(remaining, AHEAD * max(1, threads))), loop=client.loop)
         for future in running:
             answer = future.result()
             running.update(submitted(islice(remaining, 1)))

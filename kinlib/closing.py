@@ -13,7 +13,7 @@ from kinlib.dual_quaternion import DualQuaternion, eps, i, k, one
 from kinlib.scalar import RTOL, as_float, as_scalars
 from kinlib.typing import Array, ArrayLike
 
-__all__ = ["closed_chains", "closing_angles", "moves_on"]
+__all__ = ["closed_chains", "closing_angles", "moves_on", "tables_of"]
 
 STEPS = 60
 LONGEST = 0.7
@@ -117,23 +117,40 @@ def closing_angles(
     return _different(angles)
 
 
-def closed_chains(rows: Sequence[Sequence[ArrayLike]], angle: float, joint: int, *, rtol: float) -> list[Chain]:
-    """The chains of a table at all positions that are found in which one joint has a given angle.
+def closed_chains(rows: Array, angle: float, joint: int, *, rtol: float) -> list[Chain]:
+    """The chains of a table, shape (n, 3), at all positions that are found in which one joint has a given angle.
 
     Raises
     ------
     ValueError
-        If the table or the angle is no such, or if no position is found.
+        If no position is found.
     """
-    if not 0 <= joint < len(rows):
-        raise ValueError(f"expected a joint among 0, …, {len(rows) - 1}, got {joint}")
-    table = as_float(as_scalars(rows))
-    if table.shape[1:] != (3,) or not np.isfinite(table).all() or not np.isfinite(angle):
-        raise ValueError(f"expected finite rows (distance, twist, offset) and an angle, got {rows!r} and {angle!r}")
-    found = closing_angles([tuple(row) for row in table.tolist()], float(angle), joint, rtol=rtol)
+    triples = [tuple(row) for row in rows.tolist()]
+    found = closing_angles(triples, angle, joint, rtol=rtol)
     if not found:
-        raise ValueError(f"no position was found in which the loop closes and joint {joint} has the angle {angle}")
-    return [Chain.from_denavit_hartenberg(rows, angles, rtol=max(10 * rtol, RTOL)) for angles in found]
+        raise ValueError(f"no position was found in which the loop closes and joint {joint} has the angle {angle:.6g}")
+    return [Chain.from_denavit_hartenberg(triples, angles, rtol=max(10 * rtol, RTOL)) for angles in found]
+
+
+def tables_of(rows: Sequence[Sequence[ArrayLike]], angle: ArrayLike) -> tuple[Array, Array]:
+    """Rows and angles of a batch as arrays, shapes (..., n, 3) and (...).
+
+    Raises
+    ------
+    ValueError
+        If a row has not three entries, or an entry is infinite, or NaN in a single table.
+    """
+    try:
+        entries = [
+            as_float(as_scalars(entry)) for distance, twist, offset in rows for entry in (distance, twist, offset)
+        ]
+    except (TypeError, ValueError):
+        raise ValueError(f"expected rows of three numbers: distance, twist and offset, got {rows!r}") from None
+    *entries, angles = np.broadcast_arrays(*entries, as_float(as_scalars(angle)))
+    table = np.stack(entries, axis=-1).reshape(*angles.shape, len(rows), 3)
+    if np.isinf(table).any() or np.isinf(angles).any() or not (angles.ndim or np.isfinite([*table.flat, angles]).all()):
+        raise ValueError(f"expected finite rows (distance, twist, offset) and an angle, got {rows!r} and {angle!r}")
+    return table, angles
 
 
 def _different(angles: Array) -> list[Array]:

@@ -12,7 +12,6 @@ import numpy as np
 
 from kinlib.bonds import Bond, bonds_of_loop, degrees_of
 from kinlib.chain import Chain, DHRow, batch_index, html_table
-from kinlib.closing import closed_chains
 from kinlib.closure import CLOSED, check_closure, check_turns, closure_residual
 from kinlib.collision import (
     Collisions,
@@ -28,11 +27,10 @@ from kinlib.drive import (
     twist_of,
 )
 from kinlib.dual_quaternion import DualQuaternion, one
-from kinlib.errors import DegenerateError
 from kinlib.line import Line
 from kinlib.loop import Loop, as_factors, as_home, as_tuple, loop_of_chains, whole
 from kinlib.loop_collisions import clearance_of, collisions_of
-from kinlib.loop_motion import motion_of_axes
+from kinlib.loop_motion import motion_of_axes, moving_chain
 from kinlib.mobility import general_mobility
 from kinlib.motion_polynomial import MotionPolynomial, RationalCurve
 from kinlib.poses import as_pose
@@ -195,11 +193,12 @@ class Linkage:
         cls,
         rows: Sequence[Sequence[ArrayLike]],
         *,
-        angle: float,
+        angle: ArrayLike,
         joint: int = 0,
         coupler: int | None = None,
         home: PoseLike = one,
         rtol: float = CLOSED,
+        degenerate: Degenerate = "raise",
     ) -> Linkage:
         """The linkage of a table of Denavit–Hartenberg rows, at a position where one joint has a given angle.
 
@@ -209,13 +208,15 @@ class Linkage:
         Parameters
         ----------
         rows : sequence of n triples (distance, twist, offset)
-            As :meth:`denavit_hartenberg` gives them; numbers, for a single linkage.
-        angle : float
+            As :meth:`denavit_hartenberg` gives them: numbers, or arrays of shape (...) for many tables.
+        angle : array_like, shape (...)
             The angle of one joint at t = ∞, as :meth:`Chain.angles <kinlib.Chain.angles>` counts it, in radians.
         joint : int
             The number of that joint, from 0.
         coupler, home, rtol
             As in :meth:`from_axes`.
+        degenerate : {"raise", "nan"}
+            What becomes of tables of a batch that do not close, or do not move.
 
         Raises
         ------
@@ -231,14 +232,9 @@ class Linkage:
         >>> Linkage.from_denavit_hartenberg(rows, angle=1.0)
         Linkage 4R, coupler 2
         """
-        chains = closed_chains(rows, angle, whole(joint, "the joint as a whole number"), rtol=rtol)
-        error: DegenerateError | None = None
-        for chain in chains:
-            try:
-                return cls.from_axes(chain, coupler=coupler, home=home, rtol=rtol)
-            except DegenerateError as refused:
-                error = error or refused
-        raise DegenerateError(f"the loop closes at this angle in {len(chains)} ways, but {error}")
+        number = whole(joint, "the joint as a whole number")
+        chain = moving_chain(rows, angle, number, rtol=rtol, degenerate=degenerate)
+        return cls.from_axes(chain, coupler=coupler, home=home, rtol=rtol, degenerate=degenerate)
 
     @cached_property
     def shape(self) -> tuple[int, ...]:

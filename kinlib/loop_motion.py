@@ -18,16 +18,16 @@ from collections.abc import Sequence
 import numpy as np
 
 from kinlib.chain import Chain
-from kinlib.closing import moves_on
+from kinlib.closing import closed_chains, moves_on, tables_of
 from kinlib.dual_quaternion import DualQuaternion
-from kinlib.errors import DegenerateError, named_rows, report_faults
+from kinlib.errors import DegenerateError, check_degenerate, named_rows, report_faults
 from kinlib.joint_rates import LoopFault, Rates, closes, rates_of
 from kinlib.rows import masked
 from kinlib.scalar import as_float, divide, is_exact
 from kinlib.several_turns import Found, joint_with_more
-from kinlib.typing import Array, Degenerate
+from kinlib.typing import Array, ArrayLike, Degenerate
 
-__all__ = ["LoopFault", "motion_of_axes"]
+__all__ = ["LoopFault", "motion_of_axes", "moving_chain"]
 
 
 def motion_of_axes(
@@ -66,6 +66,50 @@ def motion_of_axes(
         return _exact_rows(chain, rtol, degenerate)
     with np.errstate(invalid="ignore", divide="ignore", over="ignore"):
         return _motion(chain, rtol, degenerate)
+
+
+def moving_chain(
+    rows: Sequence[Sequence[ArrayLike]], angle: ArrayLike, joint: int, *, rtol: float, degenerate: Degenerate = "raise"
+) -> Chain:
+    """The chain of a table where one joint has a given angle: the first one that is found from which it moves.
+
+    Parameters
+    ----------
+    rows : sequence of n triples (distance, twist, offset) of numbers or arrays of shape (...)
+    angle : array_like, shape (...)
+    joint : int
+        The number of the joint, from 0.
+    rtol, degenerate
+        As in :func:`motion_of_axes`.
+    """
+    check_degenerate(degenerate)
+    table, angles = tables_of(rows, angle)
+    if not 0 <= joint < table.shape[-2]:
+        raise ValueError(f"expected a joint among 0, …, {table.shape[-2] - 1}, got {joint}")
+    axes = np.full((*angles.shape, table.shape[-2], 8), np.nan)
+    for number, index in enumerate(np.ndindex(angles.shape)):
+        if not np.isfinite([*table[index].flat, angles[index]]).all():
+            continue
+        try:
+            axes[index] = as_float(_first_that_moves(table[index], float(angles[index]), joint, rtol).axes.coeffs)
+        except ValueError as error:
+            if degenerate == "raise":
+                kind, row = type(error), (number,) * bool(angles.ndim)
+                raise kind(named_rows(row) + str(error)) from None
+    return Chain(DualQuaternion(axes))
+
+
+def _first_that_moves(table: Array, angle: float, joint: int, rtol: float) -> Chain:
+    """The first chain of a single table, at a position that closes it, from which a motion is found."""
+    chains, refused = closed_chains(table, angle, joint, rtol=rtol), []
+    for chain in chains:
+        try:
+            motion_of_axes(chain, rtol=rtol)
+        except DegenerateError as error:
+            refused.append(error)
+        else:
+            return chain
+    raise DegenerateError(f"the loop closes at this angle in {len(chains)} ways, but {refused[0]}")
 
 
 def _exact_rows(chain: Chain, rtol: float, degenerate: Degenerate) -> tuple[list[DualQuaternion], tuple[int, ...]]:

@@ -52,3 +52,11 @@ def test_a_search_on_a_cluster_that_loses_a_worker_finds_the_same_to_the_last_bi
     assert {name: values.tolist() for name, values in together.measures.items()} == {
         name: values.tolist() for name, values in alone.measures.items()
     }
+
+
+def test_a_search_starts_processes_of_its_own():
+    """Without a client that is the default one."""
+    grid = ZGrid(-3 - 3j, 3 + 3j, (6, 6))
+    alone = search(*THREE_POSES, grid, best="longest_bar", keep=2, planes=(1,))
+    together = search(*THREE_POSES, grid, best="longest_bar", keep=2, planes=(1,), block=12, cluster=1)
+    assert together.z.tolist() == alone.z.tolist()

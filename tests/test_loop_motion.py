@@ -278,6 +278,36 @@ def test_a_table_that_closes_nowhere_is_refused():
         Linkage.from_denavit_hartenberg([(1, 0, 0), (1, 0, 0), (1, 0, 0), (9, 0, 0)], angle=1.0)
 
 
+def test_tables_in_a_batch_have_each_its_own_fate():
+    """As one by one; a table that closes nowhere, one that does not move and NaN rows do not spoil the others."""
+    linkages = bennett_linkage(*random_poses(3, seed=3, shape=(5,)))
+    table = np.stack([np.stack(row, axis=-1) for row in linkages.denavit_hartenberg()], axis=-2)
+    angles = linkages.chain.angles()[..., 1]
+    table[1] = np.nan
+    table[2] = [(1, 0, 0), (1, 0, 0), (1, 0, 0), (9, 0, 0)]
+    rows = [tuple(np.moveaxis(table[:, n], -1, 0)) for n in range(4)]
+    with pytest.raises(ValueError, match=r"^row 2: no position was found"):
+        Linkage.from_denavit_hartenberg(rows, angle=angles, joint=1)
+    found = Linkage.from_denavit_hartenberg(rows, angle=angles, joint=1, degenerate="nan")
+    assert found.shape == (5,)
+    assert np.isnan(found.closure_residual()).tolist() == [False, True, True, False, False]
+    for n in (0, 3, 4):
+        alone = Linkage.from_denavit_hartenberg(table[n].tolist(), angle=angles[n], joint=1)
+        for f, g in zip(found[n].factors, alone.factors, strict=True):
+            assert np.allclose(f.coeffs, g.coeffs, atol=1e-9)
+        assert np.allclose(found[n].chain.angles()[1], angles[n])
+    none = Linkage.from_denavit_hartenberg([(row[0][:0], row[1][:0], row[2][:0]) for row in rows], angle=1.0)
+    assert none.shape == (0,)
+    one_table = Linkage.from_denavit_hartenberg(table[0].tolist(), angle=[1.0, 1.2], joint=1)
+    assert np.allclose(one_table.chain.angles()[..., 1], [1.0, 1.2])
+
+
+@pytest.mark.parametrize("rows", [[(1, 0)] * 4, 3, [(1, 0, 0, 0)] * 4])
+def test_tables_of_other_shapes_are_refused(rows):
+    with pytest.raises(ValueError, match="three numbers"):
+        Linkage.from_denavit_hartenberg(rows, angle=1.0)
+
+
 def test_the_angle_is_that_of_the_table():
     rows = [(1, pi / 6, 0), (2, pi / 2, 0), (1, pi / 6, 0), (2, pi / 2, 0)]
     angles = Linkage.from_denavit_hartenberg(rows, angle=1.0).chain.angles()
