@@ -194,11 +194,11 @@ def _point_formula(q: Any, x: Any) -> tuple[Any, ...]:
     return tuple(y + t for y, t in zip(_turned(turn, x), shift, strict=True))
 
 
-def _line_formula(q: Any, line: Any) -> tuple[Any, ...]:
+def _line_formula(q: Any, l: Any, m: Any) -> tuple[Any, ...]:
     """The direction turns; the moment turns and gains shift × (turned direction)."""
     turn, (t1, t2, t3) = _matrix_formula(q)
-    l1, l2, l3 = _turned(turn, line[:3])
-    m1, m2, m3 = _turned(turn, line[3:])
+    l1, l2, l3 = _turned(turn, l)
+    m1, m2, m3 = _turned(turn, m)
     return l1, l2, l3, m1 + (t2 * l3 - t3 * l2), m2 + (t3 * l1 - t1 * l3), m3 + (t1 * l2 - t2 * l1)
 
 
@@ -234,8 +234,8 @@ def act(q: PoseLike, x: PointLike | Line, *, degenerate: Degenerate = "raise") -
     [Fraction(-1, 1), Fraction(0, 1), Fraction(0, 1)]
     """
     if isinstance(x, Line):
-        components = np.moveaxis(np.concatenate([x.direction, x.moment], axis=-1), -1, 0)
-        return wrap_line(np.moveaxis(blockwise(_line_formula, _divisible(q, degenerate), components, rows=6), 0, -1))
+        l, m = (np.moveaxis(part, -1, 0) for part in (x.direction, x.moment))
+        return wrap_line(np.moveaxis(blockwise(_line_formula, _divisible(q, degenerate), l, m, rows=6), 0, -1))
     components = np.moveaxis(as_vectors(x, "points"), -1, 0)
     return np.moveaxis(blockwise(_point_formula, _divisible(q, degenerate), components, rows=3), 0, -1)
 

@@ -25,7 +25,7 @@ __all__ = [
 UNITS = ("", "i", "j", "k", "ε", "εi", "εj", "εk")
 LATEX_UNITS = "", r"\mathbf{i}", r"\mathbf{j}", r"\mathbf{k}"
 FEW = 512  # products so few are summed up by tables: one call of NumPy costs as much as short arrays
-BLOCK = 2**16  # rows of a batch at a time: they stay in the cache, and NumPy can use temporaries again
+BLOCK = 2**13  # rows of a batch at a time: they stay in the cache
 
 
 class DualQuaternion:
@@ -557,7 +557,7 @@ def blockwise(formula: Callable[..., tuple[Any, ...]], *operands: np.ndarray, ro
     result = np.empty((rows, total), dtype=dtype)
     for start in range(0, total, BLOCK):
         block = slice(start, start + BLOCK)
-        values = formula(*[x if x.ndim == 1 else x[:, block] for x in flat])
+        values = formula(*[x if x.ndim == 1 else np.ascontiguousarray(x[:, block]) for x in flat])
         for row, value in zip(result, values, strict=True):
             row[block] = value
     return result.reshape(rows, *shape)

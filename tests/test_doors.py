@@ -11,6 +11,8 @@ from pathlib import Path
 
 import pytest
 
+import kinlib
+
 DOORS = ("kinlib", "kinlib.export", "kinlib.task", "kinlib.pictures", "kinlib.gallery", "kinlib.testing")
 ROOT = Path(__file__).resolve().parents[1]
 BOOK = ROOT / "book"
@@ -38,6 +40,26 @@ def test_a_door_offers_what_it_lists(door):
     module = import_module(door)
     assert len(set(module.__all__)) == len(module.__all__)
     assert [name for name in module.__all__ if not hasattr(module, name)] == []
+
+
+def test_the_door_opens_when_it_is_asked():
+    code = "import sys, kinlib; print('numpy' in sys.modules); kinlib.one; print('kinlib.linkage' in sys.modules)"
+    run = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert run.stdout.split() == ["False", "False"]
+
+
+def test_editors_read_of_the_names_that_there_are():
+    tree = ast.parse(Path(kinlib.__file__).read_text(encoding="utf-8"))
+    nodes = [node for node in ast.walk(tree) if isinstance(node, ast.ImportFrom) and node.module.startswith("kinlib")]
+    found = {alias.name: node.module for node in nodes for alias in node.names}
+    assert sorted(found) == sorted(kinlib.__all__) == sorted(set(dir(kinlib)) & set(kinlib.__all__))
+    for name, module in found.items():
+        assert getattr(kinlib, name) is getattr(import_module(module), name)
+
+
+def test_what_the_door_does_not_have():
+    with pytest.raises(AttributeError, match="module 'kinlib' has no attribute 'no_such_name'"):
+        kinlib.no_such_name  # noqa: B018
 
 
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: page.relative_to(ROOT).as_posix())

@@ -141,6 +141,7 @@ ROWS = (
     ),
     Row("one drag step in the page", DRAG, "a frame at 60 Hz", lambda size: lambda: 1 / 60, seconds=8e-3),
     Row("import kinlib", IMPORT, "import numpy", importing("numpy"), ratio=1.3, patience=4),
+    Row("import a synthesis", importing("kinlib", "bennett_linkage"), "import numpy", importing("numpy"), patience=4),
     Row("import kinlib", IMPORT, "dqrobotics", importing("dqrobotics")),
     Row("import kinlib", IMPORT, "pytransform3d", importing("pytransform3d.transformations")),
     Row("import kinlib", IMPORT, "rational-linkages", importing("rational_linkages")),
