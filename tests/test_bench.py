@@ -37,6 +37,7 @@ WORK = [
     "best of 5R by clearance, one core",
     "one drag step in the page",
     "import kinlib",
+    "import a synthesis",
     "memory for eight 5R, batch",
 ]
 
