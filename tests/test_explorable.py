@@ -7,7 +7,7 @@ import pytest
 
 import kinlib as kl
 from browser import console_messages, requested_urls, screen, wait_until
-from kinlib.gallery import THREE_POSES
+from kinlib.gallery import FOUR_POSES, THREE_POSES
 from kinlib.pictures import (
     Choice,
     Frame,
@@ -19,6 +19,7 @@ from kinlib.pictures import (
     Slider,
     explorable_scene,
     goldberg_scene,
+    sampled_linkages_scene,
     static_files,
 )
 
@@ -196,6 +197,22 @@ def test_samples_say_what_they_need():
         Samples("f", [0, 1], {"x": [1, 2]}, 0.5)
     with pytest.raises(ValueError, match=r"samples of shape \(..., 2\), one a value, got {'x': \(3,\)}"):
         Samples("f", [0, 1], {"x": [1, 2, 3]}, 0)
+
+
+def test_one_linkage_is_followed_though_roots_change_their_order():
+    values = np.linspace(-1, 1, 81).tolist()
+    poses = [pose.astype(float) for pose in FOUR_POSES]
+    found = kl.six_r_linkages(*poses, values)
+    families = {"first": found[:9], "second": found[9:]}
+    made = sampled_linkages_scene(families, values, poses, which=2, start=values[50], label="f", alt="Six bars.")
+    slider, choice = made.recording()["explorer"]["controls"]
+    rows = np.array(slider["samples"])
+    assert rows.shape == (2, 81, 42)
+    assert choice["options"] == ["first", "second"]
+    assert np.abs(np.diff(rows, axis=1)).max() < 0.5  # more where another linkage is taken, see below
+    alone = sampled_linkages_scene({"first": found[2:3]}, values, poses, start=values[50], label="f", alt="Six bars.")
+    jumps = np.abs(np.diff(alone.recording()["explorer"]["controls"][0]["samples"][0], axis=0)).max(axis=1)
+    assert (jumps > 0.5).any()
 
 
 def test_buttons_lead_from_option_to_option(scene, tmp_path):
