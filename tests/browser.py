@@ -56,11 +56,15 @@ def requested_urls(driver) -> list[str]:
 
 @contextmanager
 def screen(driver, width: int, height: int = 800):
-    """A screen of another size, a phone's if it is narrow."""
-    metrics = {"width": width, "height": height, "deviceScaleFactor": 1, "mobile": width < 600}
-    driver.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", metrics)
+    """A screen of another size, a phone's if it is narrow; what this gives makes it another one again."""
+
+    def become(width: int, height: int = 800) -> None:
+        metrics = {"width": width, "height": height, "deviceScaleFactor": 1, "mobile": width < 600}
+        driver.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", metrics)
+
+    become(width, height)
     try:
-        yield
+        yield become
     finally:
         driver.execute_cdp_cmd("Emulation.clearDeviceMetricsOverride", {})
 

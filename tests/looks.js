@@ -2,7 +2,9 @@
 //
 //   looks.all(theme)    give the page a theme, and list the different looks of its text
 //   looks.pick(looks)   find an element for each of these looks
-//   looks.picked        the elements that pick found
+//   looks.remember()    note what is shown now
+//   looks.pickNew()     find what is shown now and was not then, and say how many such parts there are
+//   looks.picked        the elements that pick or pickNew found
 "use strict";
 window.looks = (() => {
   const PROPERTIES = [
@@ -11,6 +13,7 @@ window.looks = (() => {
     "borderBottomWidth", "borderBottomColor",
   ];
   let found = new Map();
+  let known = new Set();
 
   // An element's look is its own style and the looks of all that it lies in, as two numbers.
   function hash(text, [a, b]) {
@@ -34,6 +37,9 @@ window.looks = (() => {
     for (const child of element.children) visit(child, look);
   }
 
+  const shown = () => [...document.querySelectorAll("*")].filter((element) =>
+    element.checkVisibility({ visibilityProperty: true }));
+
   const api = {
     picked: [],
     all(theme) {
@@ -44,6 +50,14 @@ window.looks = (() => {
     },
     pick(looks) {
       api.picked = looks.map((name) => found.get(name));
+    },
+    remember() {
+      known = new Set(shown());
+    },
+    pickNew() {
+      const fresh = new Set(shown().filter((element) => !known.has(element)));
+      api.picked = [...fresh].filter((element) => !fresh.has(element.parentElement));
+      return api.picked.length;
     },
   };
   return api;

@@ -113,7 +113,7 @@ class Links(HTMLParser):
         self.targets.extend(values[key] for key in ("href", "src") if values.get(key))
 
 
-@pytest.fixture(scope="module")
+@pytest.fixture(scope="session")  # pages are visited one by one, by the tests of several files
 def links(html) -> dict[Path, Links]:
     return {(html / page).resolve(): Links(html / page) for page in PAGES}
 
@@ -220,9 +220,9 @@ return [...document.querySelectorAll("main :is(" + boxes + ")")].filter((box) =>
 def test_nothing_is_wider_than_its_box(look, name):
     """On a phone what is wider scrolls, and says so; the page does not."""
     driver = look(name)
-    with screen(driver, 1400, 1000):
+    with screen(driver, 1400, 1000) as become:
         assert driver.execute_script(WIDER, False) == []
-    with screen(driver, 390):
+        become(390)
         driver.execute_async_script("requestAnimationFrame(() => requestAnimationFrame(arguments[0]))")
         assert driver.execute_script(WIDER, True) == []
         assert driver.execute_script("return document.documentElement.scrollWidth") <= 390

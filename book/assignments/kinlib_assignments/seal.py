@@ -107,6 +107,10 @@ def on_other_numbers(check: Callable[..., None], *answers) -> None:
     """
     assert_untouched()
     _forget()
+    _on_others(check, *answers)
+
+
+def _on_others(check: Callable[..., None], *answers) -> None:
     for name in OTHERS:
         try:
             check(*answers, name)

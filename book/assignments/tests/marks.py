@@ -7,7 +7,7 @@ import numpy as np
 
 from grader import masters
 from kinlib import DualQuaternion
-from workbook import cells_of, judged_by_heart, losses, reached, stubs
+from workbook import cells_of, judged_again, judged_by_heart, losses, reached, stubs
 
 STUDENTS = ("ada", "emmy", "sophus", "4711", "student 1")
 
@@ -65,7 +65,7 @@ class Marks:
 
     def test_a_slip_is_told_below_the_answer_and_costs_its_points(self, slip):
         changes, points, said = self.slips[slip]
-        found = self.losses(changes, only=reached(self.assignment, changes))
+        found = self.losses(changes, only=reached(self.assignment, changes), judge=judged_again)
         assert {name: loss.points for name, loss in found.items()} == points, found
         first = next(iter(found.values()))
         assert first.seen == (said is not None), first
