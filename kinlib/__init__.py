@@ -51,6 +51,7 @@ if TYPE_CHECKING:  # what checkers of types and editors read; the same as below
         study_projection,
     )
     from kinlib.surface import NearestStop, nearest_stop, stops_on_line
+    from kinlib.task_follow import follow
     from kinlib.task_linkages import bennett_linkages_for, goldberg_linkages_for, six_r_linkages_for
     from kinlib.three_poses import dyads_through_poses, study_eigenvalues
     from kinlib.timetable import ConstantPointSpeed, ConstantSpeed, RestAtPoses, Timetable
@@ -113,6 +114,7 @@ __all__ = [
     "exchange",
     "factorizations",
     "factorize",
+    "follow",
     "fourth_parameters",
     "from_matrix",
     "from_rigid_transform",
@@ -185,6 +187,7 @@ _NAMES_IN = {
     "six_r": "ADMISSIBLE_PAIRS six_r_linkages",
     "study": "EXCEPTIONAL_SPACE NULL_CONE STUDY_QUADRIC is_null_line study_projection",
     "surface": "NearestStop nearest_stop stops_on_line",
+    "task_follow": "follow",
     "task_linkages": "bennett_linkages_for goldberg_linkages_for six_r_linkages_for",
     "three_poses": "dyads_through_poses study_eigenvalues",
     "timetable": "ConstantPointSpeed ConstantSpeed RestAtPoses Timetable",

@@ -22,7 +22,7 @@ from kinlib.task_search import Search, Unknowns
 from kinlib.task_wishes import nearest_to_wishes, with_parameters
 from kinlib.typing import Array, PoseLike
 
-__all__ = ["bennett_linkages_for", "goldberg_linkages_for", "six_r_linkages_for"]
+__all__ = ["bennett_linkages_for", "goldberg_linkages_for", "linkages_of", "six_r_linkages_for"]
 
 Progress = Callable[[float], None]
 """Is told which part of a search is done, from 0 to 1."""
@@ -184,7 +184,7 @@ def _linkages_for(
         families += int(np.count_nonzero(~isolated))
         for row in np.flatnonzero(isolated).tolist():
             reach = _reach(solutions, row)
-            found += [(missed[row], reach, linkage) for linkage in _built(problem, search, solutions, row)]
+            found += [(missed[row], reach, linkage) for linkage in linkages_of(problem, search, solutions, row)]
     if not found and families:
         raise DegenerateError(
             f"the data lie in a special way: {families} motions of {name} linkages were found, and each can be changed "
@@ -298,7 +298,7 @@ def factors_of(search: Search, solutions: Unknowns) -> list[DualQuaternion]:
     return factors
 
 
-def _built(problem: TaskProblem, search: Search, solutions: Unknowns, row: int) -> Iterator[Linkage]:
+def linkages_of(problem: TaskProblem, search: Search, solutions: Unknowns, row: int) -> Iterator[Linkage]:
     """The linkages of one solution that stand the check.
 
     The parameter and the order of factors are those that every start would give: t is balanced, it is positive at the

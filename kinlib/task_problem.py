@@ -124,6 +124,12 @@ class TaskProblem:
         components[1:4], components[5:] = self.frame @ components[1:4], self.frame @ components[5:]
         return moved_origin(DualQuaternion.from_components(components), -self.middle)
 
+    def inward(self, q: DualQuaternion) -> DualQuaternion:
+        """What is in the fixed frame and in the unit of the data, as the search sees it."""
+        components = stretched(moved_origin(q, self.middle), 1 / self.length).components.copy()
+        components[1:4], components[5:] = self.frame.T @ components[1:4], self.frame.T @ components[5:]
+        return DualQuaternion.from_components(components)
+
     def missed(self, pose: DualQuaternion, datum: task.Datum) -> float:
         """How far a pose is from a datum, in radians and in units of the size of the problem."""
         near = act(pose.inverse(), self.middle)

@@ -190,6 +190,22 @@ def test_a_slider_stops_where_something_was_computed(scene, tmp_path):
     assert ask(driver, "return kinlib.points()[1][0]") == -2
 
 
+def test_a_place_moves_with_the_slider(scene, tmp_path):
+    """The ball is where the data of each value have it, and the path of the linkage's coupler runs through it."""
+    home, *others = (pose.astype(float) for pose in THREE_POSES)
+    path = [[kl.task.Pose(others[0]), kl.task.Pose(kl.translation([0, 0, z]) * others[1])] for z in (0.0, 0.1, 0.2)]
+    ways = kl.follow(kl.bennett_linkages_for(home, path[0], starts=20)[0], home, path)
+    factors = [kl.DualQuaternion.stack(same) for same in zip(*(each.factors for each in ways), strict=True)]
+    batch = kl.Linkage(factors, ways[0].joints, 2, home, parameters=(np.inf,))
+    places = [kl.act(data[1].pose, [0, 0, 0]) for data in path]
+    families = {"one": [batch], "again": [batch]}
+    shown = sampled_linkages_scene(families, [0, 1, 2], [home], start=1, label="up", targets=[places], alt="A ball.")
+    driver = scene(path=shown.save(tmp_path / "moves.html"))
+    for value, place in enumerate(places):
+        ask(driver, "kinlib.set('f', arguments[0])", value)
+        assert ask(driver, "return kinlib.points().at(-1)") == pytest.approx(place, abs=1e-6)
+
+
 def test_samples_say_what_they_need():
     with pytest.raises(ValueError, match=r"two values at least, in ascending order, got \[1, 0\]"):
         Samples("f", [1, 0], {"x": [1, 2]}, 1)

@@ -77,6 +77,7 @@ ORDER = [
     "task_wishes",
     "task_problem",
     "task_linkages",
+    "task_follow",
     "gallery",
     "testing",
     "export.xml",

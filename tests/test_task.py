@@ -15,7 +15,7 @@ from kinlib.testing import assert_closes, random_poses
 from laws import COVERED
 from task_problems import FIVE_R, FOUR_R, A, D, L, P, R, T, X, datum, problem
 
-COVERED.update(("bennett_linkages_for", "goldberg_linkages_for", "six_r_linkages_for", "NotFoundError"))
+COVERED.update(("bennett_linkages_for", "goldberg_linkages_for", "six_r_linkages_for", "NotFoundError", "follow"))
 KINDS = (P, D, L, X, R, T, A)
 CODIMENSIONS = dict(zip(KINDS, (6, 5, 4, 3, 3, 2, 2), strict=True))
 ORIENTATIONS = dict(zip(KINDS, (3, 2, 2, 0, 3, 0, 2), strict=True))
@@ -386,6 +386,43 @@ def test_exact_data_and_matrices_are_taken():
     matrices = [as_matrix(pose.astype(float)) for pose in THREE_POSES]
     floats = kl.bennett_linkages_for(matrices[0], [task.Pose(matrix) for matrix in matrices[1:]], starts=10)
     assert np.abs(exact[0][0].factors[0].coeffs - floats[0].factors[0].coeffs).max() < 1e-9
+
+
+# --- data that change ---------------------------------------------------------------------------------------------
+
+
+def a_path(count, step):
+    """Four data, of which the point goes up."""
+    given = problem(FIVE_R["pose, line, two points"], seed=11)
+    ups = [step * n * np.array([0, 0, 1]) for n in range(count)]
+    return given.home, [[*given.data[:3], task.Point(given.data[3].point, given.data[3].to + up)] for up in ups]
+
+
+def test_a_linkage_follows_its_data():
+    """And comes to linkages that the search finds for the last data, too."""
+    home, path = a_path(6, 0.004)
+    linkage = kl.goldberg_linkages_for(home, path[0], starts=30)[0]
+    found = kl.follow(linkage, home, path)
+    assert found[0] is linkage
+    assert len(found) == 6
+    for each, data in zip(found, path, strict=True):
+        assert_meets(each, home, data)
+    searched = kl.goldberg_linkages_for(home, path[-1], starts=30)
+    poses = [found[-1].coupler_motion(t) for t in found[-1].parameters]
+    assert any(
+        all(kl.same_point(other.coupler_motion(t), q, rtol=1e-6) for t, q in zip(other.parameters, poses, strict=True))
+        for other in searched
+    )
+
+
+def test_following_ends_where_it_cannot_go_on():
+    home, path = a_path(3, 40.0)
+    linkage = kl.goldberg_linkages_for(home, path[0], starts=30)[0]
+    assert len(kl.follow(linkage, home, path)) == 1
+    with pytest.raises(ValueError, match="misses the first data by"):
+        kl.follow(linkage, home, path[1:])
+    with pytest.raises(ValueError, match="expected 4 data"):
+        kl.follow(linkage, home, [path[0][:3]])
 
 
 # --- the picture --------------------------------------------------------------------------------------------------

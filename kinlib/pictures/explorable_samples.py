@@ -19,14 +19,14 @@ from kinlib.dual_quaternion import DualQuaternion, null_form
 from kinlib.line import Line
 from kinlib.linkage import Linkage, verified_linkage
 from kinlib.pictures.bars import Bars
-from kinlib.pictures.colours import link_colours, link_names
+from kinlib.pictures.colours import PURPLE, link_colours, link_names
 from kinlib.pictures.controls import Choice, Samples, Turn
 from kinlib.pictures.explorable import ExplorableScene, Seen, explorable_scene
 from kinlib.pictures.explorable_5r import DH_COLUMNS, FRAMES, exactly, linkage_seen
-from kinlib.pictures.parts import Frame
+from kinlib.pictures.parts import Ball, Frame
 from kinlib.pictures.turn import one_turn
-from kinlib.scalar import as_float, root_of
-from kinlib.typing import PoseLike
+from kinlib.scalar import as_float, as_vectors, root_of
+from kinlib.typing import Array, PoseLike
 
 __all__ = ["sampled_linkages_scene"]
 
@@ -43,6 +43,7 @@ def sampled_linkages_scene(
     start: float,
     label: str,
     which: int = 0,
+    targets: Sequence[Array] = (),
     **options: Any,
 ) -> ExplorableScene:
     """Linkages through poses, one for each value at which a slider stops; a choice among families of them.
@@ -64,6 +65,8 @@ def sampled_linkages_scene(
         What is written next to it.
     which : int
         The number of the linkage that is followed from the first value on.
+    targets : sequence of array_like, each of shape (values, 3)
+        Places that move with the slider, to be shown as balls.
     **options
         More of what `explorable_scene` takes.
 
@@ -80,7 +83,8 @@ def sampled_linkages_scene(
     >>> scene
     <ExplorableScene of f, family: A 6R linkage through four poses.>
     """
-    rows = _Rows([_followed(row, which) for row in families.values()], values, start)
+    places = np.reshape([as_float(as_vectors(row, "places")) for row in targets], (len(targets), len(values), 3))
+    rows = _Rows([_followed(row, which) for row in families.values()], values, start, places)
     slider = Samples("f", values, rows.samples, start, label)
     return explorable_scene(
         rows.seen,
@@ -120,6 +124,7 @@ class _Rows:
     linkages: Sequence[Sequence[Linkage]]
     values: Sequence[float]
     start: float
+    places: Array
 
     @cached_property
     def first(self) -> list[Linkage]:
@@ -146,9 +151,16 @@ class _Rows:
     def samples(self) -> dict[str, np.ndarray]:
         """The numbers of all factors, each of shape (families, values)."""
         rows = np.array([[[_parts(f) for f in linkage.factors] for linkage in row] for row in self.linkages])
-        return {
+        factors = {
             f"{part}{n}": rows[:, :, n, m] for n in range(len(self.example.factors)) for m, part in enumerate(PARTS)
         }
+        return factors | {name: np.tile(row, (len(rows), 1)) for name, row in self.moving.items()}
+
+    @property
+    def moving(self) -> dict[str, Array]:
+        """The coordinates of places that move with the slider, each of shape (values,)."""
+        named = {f"{axis}{n}": row[:, m] for n, row in enumerate(self.places) for m, axis in enumerate("uvw")}
+        return {name: row for name, row in named.items() if np.ptp(row)}
 
     def seen(self, family: int, t: Any, **numbers: Any) -> Seen:
         """The linkage of some factors at t, and how nearly a pose is missed."""
@@ -161,7 +173,17 @@ class _Rows:
             for n, s in enumerate(example.parameters)
             if np.isfinite(s)
         ]
-        return replace(linkage_seen(linkage, t, size=self.size), bad=near)
+        balls = [
+            Ball(
+                [numbers.get(f"{axis}{n}", x) for axis, x in zip("uvw", row[0].tolist(), strict=True)],
+                PURPLE,
+                0.035 * float(self.size),
+                opacity=0.6,
+            )
+            for n, row in enumerate(self.places)
+        ]
+        seen = linkage_seen(linkage, t, size=self.size)
+        return replace(seen, parts=[*seen.parts, *balls], bad=near)
 
 
 def _parts(f: DualQuaternion) -> list[float]:
