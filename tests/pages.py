@@ -43,7 +43,9 @@ SCENES = {
     "book/beyond/bonds.html": ["fig-bonds-scene"],
     "book/beyond/bars_that_pass.html": ["fig-bars-free", "fig-bars-shifted"],
     "book/beyond/map_of_all_5r.html": ["fig-map", "fig-best-worst"],
-    "book/beyond/what_to_ask_of_a_5r.html": ["fig-ask-scene", "fig-ask-lines", "fig-ask-path", "fig-ask-camera"],
+    "book/beyond/what_to_ask_of_a_5r.html": [
+        "fig-ask-scene", "fig-ask-lines", "fig-ask-path", "fig-ask-camera", "fig-ask-follow",
+    ],
     "book/beyond/a_linkage_you_have.html": ["fig-have-scene"],
     "book/beyond/drive_and_build.html": ["fig-drive-linkage"],
 }  # fmt: skip
@@ -52,5 +54,5 @@ SCENES = {
 EXPLORABLE = {
     "fig-hero", "fig-sleeve-drag", "fig-turn-drag", "fig-dyad-drag", "fig-conic-drag", "fig-reflections-drag",
     "fig-dilatations-drag", "fig-double-root-drag", "fig-bennett-drag", "fig-exchange-drag", "fig-free-number-drag",
-    "fig-cubics-drag", "fig-goldberg-drag", "fig-own-scene", "fig-goldberg-plane-drag", "fig-map",
+    "fig-cubics-drag", "fig-goldberg-drag", "fig-own-scene", "fig-goldberg-plane-drag", "fig-map", "fig-ask-follow",
 }  # fmt: skip
