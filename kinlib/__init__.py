@@ -55,6 +55,7 @@ if TYPE_CHECKING:  # what checkers of types and editors read; the same as below
     from kinlib.task_linkages import bennett_linkages_for, goldberg_linkages_for, six_r_linkages_for
     from kinlib.three_poses import dyads_through_poses, study_eigenvalues
     from kinlib.timetable import ConstantPointSpeed, ConstantSpeed, RestAtPoses, Timetable
+    from kinlib.tolerance import Spread, spread_under_errors
     from kinlib.z_plane import ZFault, ZPlane, z_planes
 
 __all__ = [
@@ -88,6 +89,7 @@ __all__ = [
     "Quadric",
     "RationalCurve",
     "RestAtPoses",
+    "Spread",
     "Subspace",
     "Timetable",
     "TwoRSpace",
@@ -146,6 +148,7 @@ __all__ = [
     "six_r_linkages",
     "six_r_linkages_for",
     "size",
+    "spread_under_errors",
     "square_root",
     "stops_on_line",
     "study_eigenvalues",
@@ -191,6 +194,7 @@ _NAMES_IN = {
     "task_linkages": "bennett_linkages_for goldberg_linkages_for six_r_linkages_for",
     "three_poses": "dyads_through_poses study_eigenvalues",
     "timetable": "ConstantPointSpeed ConstantSpeed RestAtPoses Timetable",
+    "tolerance": "Spread spread_under_errors",
     "z_plane": "ZFault ZPlane z_planes",
 }
 _FILE_OF = {name: file for file, names in _NAMES_IN.items() for name in names.split()}

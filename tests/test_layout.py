@@ -71,6 +71,7 @@ ORDER = [
     "brief",
     "stages",
     "linkage_search",
+    "tolerance",
     "task",
     "task_count",
     "task_search",
