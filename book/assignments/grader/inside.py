@@ -12,6 +12,7 @@ import sys
 from hashlib import sha256
 from types import CodeType, FunctionType, ModuleType
 
+import kinlib
 import kinlib_assignments
 from kinlib_assignments import student_id
 from kinlib_assignments.checks import assert_equal
@@ -22,6 +23,8 @@ DRAWING = ("matplotlib", "matplotlib_inline")  # what is called after each cell,
 def report(token):
     for module in pkgutil.iter_modules(kinlib_assignments.__path__):  # else what is imported later is not compared
         importlib.import_module(f"kinlib_assignments.{module.name}")
+    for name in kinlib.__all__:  # its files are read when they are asked for
+        getattr(kinlib, name)
     ours = {name: module for name, module in sorted(sys.modules.items()) if name.startswith("kinlib")}
     parts = {name: digest(of_module(module)) for name, module in ours.items()}
     parts["IPython"] = digest(of_shell(builtins.get_ipython()))

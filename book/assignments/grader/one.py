@@ -287,15 +287,26 @@ def changed(first: dict, last: dict) -> list[str]:
     return [name for name, digest in parts[0].items() if parts[1].get(name) != digest]
 
 
+def replaced(first: dict, last: dict) -> str:
+    """What the checks need and is not as it was, by what the kernel answered before them; nothing if all is well."""
+    if last.get("refuses") is False:
+        return "the checks"
+    return next((name for name in changed(first, last) if name.startswith("kinlib")), "") if first and last else ""
+
+
 def marks(notebook: NotebookNode, empty: dict[str, str], seconds: int, because: str):
     """The mark of each graded cell that was run, by nbgrader's rule, but a warning costs nothing."""
-    answers = []
+    answers, asked = [], []
     for number, cell in enumerate(notebook.cells):
+        if cell.metadata.get("asking"):
+            asked.append(answer(cell) or {})
         if is_answer(cell):
             answers = [cell]
         if is_grade(cell):
             blank = bool(answers) and answers[0].source.strip() == empty[masters.name_of(answers[0])].strip()
             found = judged(cell, blank, notebook.cells[:number], seconds, because)
+            if found["mark"] and (what := replaced(asked[0], asked[-1])):
+                found |= {"mark": 0.0, "remark": remarks.REPLACED.format(what=what)}
             yield {**found, "answer": answers[0].source if answers else "", "untouched": blank}
 
 

@@ -18,6 +18,7 @@ NOTHING = "nothing was written"
 NOT_DONE = "not answered yet: a line raise NotImplementedError() is left"
 NOT_RUN = "was not run, since an earlier cell ended Python, used up its memory or could not be stopped"
 NOT_PROVED = "no points, since the check did not run to its end, or what it printed went elsewhere"
+REPLACED = "no points, since before this check something that it needs was replaced in {what}"
 ABOVE = "the answer above did not run to its end: {why}"
 
 LOADED = "the machine was too busy for the limits of time"

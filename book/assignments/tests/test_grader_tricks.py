@@ -1,8 +1,9 @@
 """Marks for nothing: each trick gives none, or shows in the list of what is to be looked at."""
 
+import nbformat
 import pytest
 
-from grader import look, masters, run
+from grader import look, masters, one, run
 from grader.collect import Submission
 from submissions import handed_in
 
@@ -84,6 +85,12 @@ SEEN_BY_THE_KERNEL = {
     "the class of dual quaternions is changed",
     "the id is set in the environment",
 }
+WITHOUT_MARKS = {
+    "a check is replaced",
+    "a check's code is replaced",
+    "what looks for replaced checks is replaced with them, and all is put back",
+    "the class of dual quaternions is changed",
+}
 NOT_RUN = {"asserts are taken out of the text", "the input is emptied", "cells are no longer run"}
 
 
@@ -94,13 +101,49 @@ def test_a_trick_gives_nothing_or_is_seen(trick, tmp_path):
     text = TRICKS[trick]
     if trick in SEEN_BY_THE_KERNEL:
         text = f"exec(bytes({list(text.encode())}).decode())"
-    one = Submission("ada", handed_in(NAME, tmp_path, {"norm": WRONG + text}), NAME)
-    result = run.marked(one, run.Limits(cell=10), QUESTION)
+    submission = Submission("ada", handed_in(NAME, tmp_path, {"norm": WRONG + text}), NAME)
+    result = run.marked(submission, run.Limits(cell=10), QUESTION)
     assert not result.failed, result.remark
     mark = next(mark for mark in result.marks if mark["cell"] == QUESTION)
     assert result.seen if trick in SEEN_BY_THE_KERNEL else look.findings([result]), mark
+    if trick in WITHOUT_MARKS:
+        assert (mark["mark"], bool(mark["remark"])) == (0, True)
     if trick in NOT_RUN:
         assert (mark["mark"], "did not run to its end" in mark["remark"]) == (0, True)
+
+
+@pytest.mark.parametrize(
+    ("first", "last", "what"),
+    [
+        ({"kinlib": "a"}, {"kinlib": "a"}, ""),
+        ({"kinlib": "a"}, {"kinlib": "b"}, "kinlib"),
+        ({"IPython": "a"}, {"IPython": "b"}, ""),  # who changes that may have good reasons: it is only listed
+        ({"kinlib": "a"}, {"kinlib": "a", "kinlib.pictures": "b"}, ""),  # imported later
+    ],
+)
+def test_only_what_the_checks_need_costs_marks(first, last, what):
+    said = [{"refuses": True, "parts": parts} for parts in (first, last)]
+    assert one.replaced(*said) == what
+    assert one.replaced(said[0], {**said[1], "refuses": False}) == "the checks"
+    assert one.replaced(said[0], {}) == one.replaced({}, said[1]) == ""  # a kernel that did not answer is listed
+
+
+@pytest.mark.parametrize(
+    ("text", "others"),
+    [
+        ("student = 'ada'", []),
+        ('student = " ADA "  # me', []),
+        ('student = ""', []),
+        ('student = "emmy"', ["emmy"]),
+        ("student = 'emmy'\nstudent = \"ada\"\nstudent = 'sophus'", ["emmy", "sophus"]),
+        ('the_student = "emmy"', []),
+    ],
+)
+def test_ids_that_are_not_the_graded_one(text, others):
+    id_cell = nbformat.v4.new_code_cell(text, metadata={"nbgrader": {"solution": True, "grade_id": "student"}})
+    of_the_task = nbformat.v4.new_code_cell('student = "nobody"')
+    notebook = nbformat.v4.new_notebook(cells=[of_the_task, id_cell])
+    assert look.other_ids(notebook, "ada") == others
 
 
 def test_a_neighbours_file_is_seen_as_it_is_and_with_another_id(tmp_path):
@@ -109,7 +152,7 @@ def test_a_neighbours_file_is_seen_as_it_is_and_with_another_id(tmp_path):
     mark = {"points": 2.0, "mark": 2.0, "remark": "", "untouched": False}
     marks = [{**mark, "cell": name, "answer": f"{text}\nown = {[*range(50)]}"} for name, text in answers.items()]
     pair = [run.Result(Submission(name, path, NAME), marks) for name in ("ada", "emmy")]
-    said = [one.what for one in look.findings(pair)]
+    said = [finding.what for finding in look.findings(pair)]
     assert "the id that is written is 'emmy'" in said
     assert [words for words in said if "equal to those of emmy" in words]
 
@@ -118,5 +161,5 @@ def test_in_a_kernel_that_starts_from_nothing_a_replaced_check_is_seen_too(tmp_p
     code = (
         "from kinlib_assignments.dual_quaternions import check_norm\ncheck_norm.__code__ = (lambda *a: None).__code__"
     )
-    one = Submission("ada", handed_in(NAME, tmp_path, {"norm": WRONG + code}), NAME)
-    assert [said for said in run.marked(one, run.Limits()).seen if "kinlib_assignments" in said]
+    submission = Submission("ada", handed_in(NAME, tmp_path, {"norm": WRONG + code}), NAME)
+    assert [said for said in run.marked(submission, run.Limits()).seen if "kinlib_assignments" in said]
