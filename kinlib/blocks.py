@@ -75,7 +75,7 @@ def _client(distributed: Any, cluster: Any, stack: ExitStack) -> Any:
         return cluster
     if isinstance(cluster, int):
         own = distributed.LocalCluster(
-            n_workers=cluster, threads_per_worker=1, host="127.0.0.1", dashboard_address=None
+            n_workers=cluster, threads_per_worker=1, host="127.0.0.1", dashboard_address="127.0.0.1:0"
         )
         cluster = stack.enter_context(own)
     return stack.enter_context(distributed.Client(cluster, set_as_default=False))

@@ -2,6 +2,8 @@
 
 import os
 import signal
+import socket
+from contextlib import suppress
 
 import dask.array as da
 import numpy as np
@@ -21,7 +23,7 @@ def longest_links(block: np.ndarray) -> np.ndarray:
 
 @pytest.fixture(scope="module")
 def client():
-    cluster = LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None)
+    cluster = LocalCluster(n_workers=2, threads_per_worker=1, host="127.0.0.1", dashboard_address="127.0.0.1:0")
     with cluster, Client(cluster) as client:
         yield client
 
@@ -55,8 +57,12 @@ def test_a_search_on_a_cluster_that_loses_a_worker_finds_the_same_to_the_last_bi
 
 
 def test_a_search_starts_processes_of_its_own():
-    """Without a client that is the default one."""
+    """Without a client that is the default one, and beside another cluster, which has Dask's usual port."""
     grid = ZGrid(-3 - 3j, 3 + 3j, (6, 6))
     alone = search(*THREE_POSES, grid, best="longest_bar", keep=2, planes=(1,))
-    together = search(*THREE_POSES, grid, best="longest_bar", keep=2, planes=(1,), block=12, cluster=1)
+    with socket.socket() as usual_port:
+        with suppress(OSError):
+            usual_port.bind(("127.0.0.1", 8787))
+            usual_port.listen()
+        together = search(*THREE_POSES, grid, best="longest_bar", keep=2, planes=(1,), block=12, cluster=1)
     assert together.z.tolist() == alone.z.tolist()
