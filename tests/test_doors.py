@@ -92,7 +92,7 @@ def test_the_reference_has_every_name_once(door):
 
 
 def reference() -> str:
-    return (BOOK / "api.md").read_text(encoding="utf-8")
+    return "".join((BOOK / page).read_text(encoding="utf-8") for page in ("api.md", "api_pictures.md"))
 
 
 @pytest.mark.parametrize("library", ["matplotlib", "meshcat"])
